@@ -35,6 +35,8 @@ Array bytes_of(vtkDataArray* array) {
   return {static_cast<const std::uint8_t*>(array->GetVoidPointer(0)), array->GetNumberOfValues()};
 }
 
+const char* const made_faces = "VTK has the faces of polyhedra cell by cell";
+
 } // namespace
 
 struct Attachment::State {
@@ -127,6 +129,12 @@ void Attachment::State::give_cells(const Topology& t) {
   case Topology::Kind::curvilinear:
     piece.block(t.vertices[0], t.vertices[1], t.vertices[2]);
     break;
+  case Topology::Kind::faces: {
+    const auto made = [](vtkDataArray* array) { return ids_of(array).converted(made_faces); };
+    piece.faces_of_cells(made(t.faces.vertices), made(t.faces.offsets), made(t.faces.cell_faces),
+                         made(t.faces.cell_offsets));
+    break;
+  }
   default:
     if (t.cells == 0) {
       piece.cells(Shape::hexahedron, static_cast<const std::int64_t*>(nullptr), 0);
@@ -223,8 +231,9 @@ Change Attachment::State::update(vtkDataSet* data) {
 
   const vtkIdType cells_before = topology.cells;
   const bool new_topology = !attached || !same(topology, next);
-  const bool has_points =
-      next.kind == Topology::Kind::cells || next.kind == Topology::Kind::curvilinear;
+  const bool has_points = next.kind == Topology::Kind::cells ||
+                          next.kind == Topology::Kind::faces ||
+                          next.kind == Topology::Kind::curvilinear;
   const bool new_points = has_points && (new_topology || !same(points, next.points));
   Change what{};
   if (new_topology) {
@@ -261,6 +270,8 @@ Change Attachment::State::update(vtkDataSet* data) {
     note("point array 'vtkGhostType'", made_hidden);
   if (has_points)
     note("points", adopted_points.reason);
+  if (topology.kind == Topology::Kind::faces)
+    note("faces", made_faces);
   if (topology.kind == Topology::Kind::rectilinear)
     for (int a = 0; a < 3; ++a)
       note("axis " + std::to_string(a), adopted_axes[a].reason);

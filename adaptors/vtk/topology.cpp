@@ -39,7 +39,7 @@ bool evenly_spaced(const Offsets* offsets, vtkIdType cells, int ids) {
 }
 
 bool has_volume(unsigned char type) {
-  return type >= VTK_TETRA && type <= VTK_PYRAMID;
+  return (type >= VTK_TETRA && type <= VTK_PYRAMID) || type == VTK_POLYHEDRON;
 }
 
 /// Whether a VTK type is one of points, lines or surfaces, or of nothing.
@@ -68,7 +68,8 @@ void hide_flat_cells(const unsigned char* type, Topology& t) {
     if (count == t.cells || !is_flat(other))
       unsupported("cell " + std::to_string(c) + " is a " + class_name(other) + " (VTK type " +
                   std::to_string(int(other)) +
-                  "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) are supported");
+                  "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) and polyhedra "
+                  "(42) are supported");
   if (count == 0)
     return;
   for (const auto& [other, n] : others)
@@ -87,6 +88,13 @@ void hide_flat_cells(const unsigned char* type, Topology& t) {
     t.made_ghosts = "cells without volume are hidden";
 }
 
+/// All cells, once there is a polyhedron among them.
+void read_faces(vtkUnstructuredGrid* grid, Topology& t) {
+  t.kind = Topology::Kind::faces;
+  t.given_faces = Watched(grid->GetFaces(), grid->GetFaceLocations());
+  t.faces = face_lists_of(grid);
+}
+
 void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
   t.kind = Topology::Kind::cells;
   t.points = points_of(grid);
@@ -100,6 +108,8 @@ void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
   t.connectivity = Watched(cells->GetConnectivityArray(), cells);
   t.offsets = Watched(cells->GetOffsetsArray(), cells);
   t.types = Watched(types);
+  if (std::find(type, type + t.cells, VTK_POLYHEDRON) != type + t.cells)
+    return read_faces(grid, t);
   t.shape = static_cast<Shape>(type[0]);
   const int ids = vertex_count(t.shape);
   t.one_shape = has_volume(type[0]) &&
@@ -193,7 +203,8 @@ bool same(const Topology& before, const Topology& now) {
                before.one_shape == now.one_shape && before.vertices == now.vertices &&
                before.origin == now.origin && before.spacing == now.spacing &&
                same(before.ghosts, now.ghosts) && same(before.connectivity, now.connectivity) &&
-               same(before.offsets, now.offsets) && same(before.types, now.types);
+               same(before.offsets, now.offsets) && same(before.types, now.types) &&
+               same(before.given_faces, now.given_faces);
   for (int a = 0; equal && a < 3; ++a)
     equal = same(before.axes[a], now.axes[a]);
   return equal;

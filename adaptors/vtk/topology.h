@@ -9,6 +9,8 @@
 
 #include "insitu/insitu.hpp"
 
+#include "polyhedra.h"
+
 class vtkDataSet;
 
 namespace insitu::vtk {
@@ -31,13 +33,16 @@ bool same(const Watched& before, const Watched& now);
 
 /// The cells of a data set, checked, as they are given to a piece, apart from the points' values.
 struct Topology {
-  enum class Kind { none, cells, curvilinear, rectilinear, uniform };
+  enum class Kind { none, cells, faces, curvilinear, rectilinear, uniform };
   Kind kind = Kind::none;
   vtkIdType cells = 0;
   // Kind::cells
   Shape shape = Shape::hexahedron;
   bool one_shape = false;
   Watched connectivity, offsets, types;
+  // Kind::faces, and the connectivity, offsets and types of that
+  Watched given_faces;
+  FaceLists faces;
   // blocks
   std::array<std::int64_t, 3> vertices{};
   std::array<double, 3> origin{}, spacing{};

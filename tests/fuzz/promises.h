@@ -97,8 +97,9 @@ inline bool commit(insitu_mesh mesh, insitu_commit_report& report) {
   return true;
 }
 
-/// Asks a committed mesh of so many cells at vertices, between them and elsewhere.
-inline void ask(Bytes& in, insitu_mesh mesh, std::int64_t cells) {
+/// Asks a committed mesh of so many cells at vertices, between them and elsewhere. Polyhedra have
+/// no parametric coordinates.
+inline void ask(Bytes& in, insitu_mesh mesh, std::int64_t cells, bool has_polyhedra = false) {
   std::vector<double> x;
   for (unsigned i = 0; i < 12; ++i)
     x.push_back(i % 3 == 0 ? in.real() : double(in.below(9)) / 4);
@@ -117,7 +118,9 @@ inline void ask(Bytes& in, insitu_mesh mesh, std::int64_t cells) {
   for (int i = 0; i < 4; ++i) {
     require(owner[i] >= -1 && owner[i] < cells, "an owner among the cells");
     require((owner[i] >= 0) == (found[i] == 1), "found is that there is an owner");
-    require(std::isnan(parametric[3 * i]) == (owner[i] < 0), "parametric coordinates inside");
+    require(std::isnan(parametric[3 * i]) == (owner[i] < 0) || has_polyhedra,
+            "parametric coordinates inside");
+    require(std::isnan(parametric[3 * i]) || owner[i] >= 0, "no parametric coordinates outside");
   }
   const char* field = in.name();
   args.fields = &field;

@@ -151,7 +151,7 @@ void CommittedMesh::enter_topology(const core::Threads& threads) {
   on_demand_.facts.forget();
   on_demand_.steps.forget();
   sound_.end();
-  lone_.begin(!stand_in_ && !lies_on_device());
+  lone_.begin(is_as_any() && !lies_on_device());
   ++topology_version_;
   own_topology_version_ += !in_halo_commit_;
 }

@@ -85,7 +85,7 @@ public:
   void look_for_folds(const core::Threads& threads);
   /// Whether cells are asked one by one whether they fold (query::SoundCells), so that those who
   /// stay in few of them need not look at all.
-  bool tells_sound_cells() const { return !stand_in_ && sampler().sound_cells(true); }
+  bool tells_sound_cells() const { return is_as_any() && sampler().sound_cells(true); }
   /// Finds the cells across faces, if there can be a table of them, for callers that go from cell
   /// to cell. Kept until the topology changes.
   void find_neighbours(const core::Threads& threads);
@@ -235,6 +235,8 @@ private:
   /// The cells are the solver's, some of them in copies.
   bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
   bool tells_one_mesh() const { return stand_in_ && stand_in_->tells_one_mesh(); }
+  /// All is found out about the cells that points are located in as about any solver's.
+  bool is_as_any() const { return !is_made() && !tells_one_mesh(); }
   void choose_stand_in();
   void part_from_earlier(const core::Threads& threads);
   EarlierMesh::Own own_cells() const;

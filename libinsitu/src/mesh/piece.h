@@ -64,6 +64,9 @@ struct PieceView {
   const LeavesView* leaves = nullptr; ///< cells of an adaptive mesh as they are: voxels
   /// Of cells given by faces, which have no shape here: UNIFORM, and no ids.
   const PartsView* parts = nullptr;
+  /// Of what stands in for such cells (PartsView::piece): which of them a cell is a part of; the
+  /// parts of one follow each other.
+  const std::uint32_t* part_of = nullptr;
   // Geometry, ghosts.
   PointsView points;
   const std::byte* ghosts = nullptr;

@@ -14,12 +14,18 @@ Setup::Setup(const Options& o) : context(o.threads, core::Log()) {
              : read_vtu(o.mesh_file);
   if (mesh.cell_count() == 0)
     throw UsageError("--mesh " + o.mesh_file + ": the file has no cells");
+  if (mesh.has_faces() && (o.pattern >= workload::Pattern::march || o.shuffled ||
+                           o.spacing != workload::Spacing::even || o.fields > 1))
+    throw UsageError("--shape poly: uniform, random or sorted points, evenly spaced cells in their "
+                     "own order, one field");
   if (o.shuffled)
     mesh = workload::renumbered(mesh);
   field = workload::vertex_field(mesh);
 }
 
 insitu_cells cells_of(const workload::Mesh& mesh) {
+  if (mesh.has_faces())
+    throw UsageError("--shape poly is for locate and commit");
   insitu_cells cells = insitu_cells_default();
   cells.count = mesh.cell_count();
   const auto ids = std::int64_t(mesh.connectivity.size());
@@ -36,13 +42,38 @@ insitu_cells cells_of(const workload::Mesh& mesh) {
   return cells;
 }
 
+namespace {
+
+insitu_faces faces_of(const workload::Mesh& mesh) {
+  const auto array = [](const auto& a) {
+    return insitu_array_of(a.data(), sizeof a[0] == 4 ? INSITU_INT32 : INSITU_INT64,
+                           std::int64_t(a.size()), 1);
+  };
+  insitu_faces faces = insitu_faces_default();
+  faces.form = INSITU_FACES_CELLS;
+  faces.cell_count = mesh.cell_count();
+  faces.face_count = std::int64_t(mesh.face_offsets.size()) - 1;
+  faces.vertices = array(mesh.face_vertices);
+  faces.offsets = array(mesh.face_offsets);
+  faces.cell_faces = array(mesh.cell_faces);
+  faces.cell_offsets = array(mesh.cell_offsets);
+  return faces;
+}
+
+} // namespace
+
 std::unique_ptr<commit::CommittedMesh> Setup::register_mesh() {
   auto out = std::make_unique<commit::CommittedMesh>("bench", context.memory);
   const insitu_array points =
       insitu_array_of(mesh.points.data(), INSITU_FLOAT64, mesh.vertex_count(), 3);
   out->mesh().set_points(0, &points, 1);
-  const insitu_cells cells = cells_of(mesh);
-  out->mesh().set_cells(0, &cells);
+  if (mesh.has_faces()) {
+    const insitu_faces faces = faces_of(mesh);
+    out->mesh().set_faces(0, &faces);
+  } else {
+    const insitu_cells cells = cells_of(mesh);
+    out->mesh().set_cells(0, &cells);
+  }
   const insitu_array values = insitu_array_of(field.data(), INSITU_FLOAT64, mesh.vertex_count(), 1);
   out->mesh().set_field(0, "f", INSITU_VERTEX, &values, 1);
   return out;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fixtures/arrays.h"
+#include "fixtures/polyhedra.h"
 #include "numerics/exact/cases.h"
 
 /// The unit cube in cells of every kind, with uniform flows.
@@ -78,6 +79,32 @@ inline insitu::test::TestMesh cube(insitu::test::MeshKind kind, int size, std::u
   return mesh;
 }
 
+/// The same of hexahedra cut at planes, by their faces.
+struct CutCube {
+  insitu::fixtures::FaceArrays<> faces;
+  Arrays fields;
+
+  CutCube() : faces(unit()), fields(insitu::test::TestMesh{}) {
+    for (std::size_t v = 0; v < faces.points.size(); v += 3)
+      fields.put({faces.points[v], 0, 0});
+  }
+  static insitu::fixtures::FaceMesh unit() {
+    insitu::fixtures::FaceMesh mesh = insitu::fixtures::cut_hexahedra(4, 4);
+    for (auto& p : mesh.vertices)
+      p = p / 4.0;
+    return mesh;
+  }
+  void give(insitu::Mesh& mesh) {
+    mesh.points(insitu::Array(faces.points).components(3));
+    mesh.faces(faces.by_owner());
+    fields.give_fields(mesh, false);
+  }
+  void set_salt() {
+    for (std::size_t v = 0; v < fields.salt.size(); ++v)
+      fields.salt[v] = faces.points[3 * v];
+  }
+};
+
 /// The kinds of cells, for a run of so many cycles.
 inline std::vector<Cells> all_cells(int cycles) {
   using insitu::test::MeshKind;
@@ -98,6 +125,29 @@ inline std::vector<Cells> all_cells(int cycles) {
   once("tetrahedra", MeshKind::tetrahedra, false);
   once("mixed cells", MeshKind::mixed, false);
   once("mixed cells, fields of cells", MeshKind::mixed, true);
+  { // inner vertices go to and fro
+    const auto still = keep(CutCube()), moving = keep(CutCube());
+    const auto give = [](CutCube& cube, insitu::Mesh& mesh, int step) {
+      if (!step)
+        cube.give(mesh);
+      else
+        mesh.changed(insitu::geometry | insitu::fields);
+    };
+    all.push_back({"cut hexahedra",
+                   [still, give](insitu::Mesh& mesh, int step) { give(*still, mesh, step); },
+                   false});
+    all.push_back({"moving cut hexahedra",
+                   [still, moving, give](insitu::Mesh& mesh, int step) {
+                     for (std::size_t v = 0; v < moving->faces.points.size(); v += 3) {
+                       const double* const x = &still->faces.points[v];
+                       const double bump = 16 * x[0] * (1 - x[0]) * x[1] * (1 - x[1]);
+                       moving->faces.points[v] = x[0] + (step % 2 ? 0.02 : -0.02) * bump;
+                     }
+                     moving->set_salt();
+                     give(*moving, mesh, step);
+                   },
+                   false, true});
+  }
   { // the same in two pieces
     insitu::test::TestMesh halves[2] = {cube(MeshKind::hexahedra, 4, 3), {}};
     halves[1] = halves[0];

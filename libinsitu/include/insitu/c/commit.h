@@ -91,9 +91,9 @@ INSITU_API insitu_status insitu_mesh_complete(insitu_mesh mesh, insitu_commit_re
 typedef struct insitu_validation {
   size_t size;
   int64_t cells;
-  int64_t index_errors;      /**< ids out of range */
+  int64_t index_errors;      /**< ids out of range, of cells or faces */
   int64_t shape_errors;      /**< cells of unknown shapes or with wrong numbers of ids, offsets out
-                                  of order */
+                                  of order, faces that bound no cell */
   int64_t coordinate_errors; /**< vertices, used by a cell, that are NaN or infinite */
   int64_t inverted_cells;    /**< warning: volume < 0 */
   int64_t zero_volume_cells; /**< warning: volume 0 to rounding */

@@ -68,7 +68,8 @@ typedef struct insitu_locate_args {
   int64_t cell_base;  /**< 0 or 1, which is added to the cell ids */
   int64_t* cells;     /**< [count] the owner's id; cell_base - 1 outside */
   int32_t* pieces;    /**< [count] the owner's piece; -1 outside */
-  double* parametric; /**< [count][3] VTK's parametric coordinates in the owner; NaN outside */
+  double* parametric; /**< [count][3] VTK's parametric coordinates in the owner; NaN outside,
+                           and in a polyhedron that is none of the shapes (insitu_faces) */
   uint8_t* found;     /**< [count] 1 inside, 0 outside */
   uint8_t* reasons;   /**< [count] an insitu_reason: why the point has this owner */
   /** Where the points and all outputs lie, the values of a sample too. INSITU_DEVICE needs a

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 namespace insitu::cells {
 
@@ -21,8 +22,10 @@ bool ClosedCell::gather(std::int64_t cell, std::span<const std::int64_t> faces,
   if (!take_rings(faces, findings) || !take_vertices(findings) || !match_edges(findings) ||
       !wind(findings))
     return false;
-  if (has_volume())
+  if (has_volume()) {
+    order_rings();
     return true;
+  }
   refuse(findings.shape_errors, "has no volume beyond the rounding of its coordinates", findings);
   return false;
 }
@@ -71,13 +74,15 @@ bool ClosedCell::take_rings(std::span<const std::int64_t> faces, FaceFindings& f
   return false;
 }
 
+/// In the order of their coordinates.
 bool ClosedCell::take_vertices(FaceFindings& findings) {
-  vertices_ = ring_ids_;
-  std::ranges::sort(vertices_);
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-  points_.clear();
-  for (const std::int64_t id : vertices_) {
-    const Vec3d& x = points_.emplace_back(piece_.point(id));
+  sorted_ids_ = ring_ids_;
+  std::ranges::sort(sorted_ids_);
+  sorted_ids_.erase(std::unique(sorted_ids_.begin(), sorted_ids_.end()), sorted_ids_.end());
+  found_.clear();
+  for (const std::int64_t id : sorted_ids_) {
+    const Vec3d x = piece_.point(id);
+    found_.push_back({x, id});
     for (int a = 0; a < 3; ++a)
       if (!std::isfinite(x[a])) {
         refuse(findings.coordinate_errors,
@@ -87,9 +92,21 @@ bool ClosedCell::take_vertices(FaceFindings& findings) {
         return false;
       }
   }
+  std::ranges::sort(found_, {},
+                    [](const Found& f) { return std::tuple(f.x.x, f.x.y, f.x.z, f.id); });
+  vertices_.clear();
+  points_.clear();
+  place_of_.resize(found_.size());
+  for (const Found& f : found_) {
+    place_of_[std::size_t(std::ranges::lower_bound(sorted_ids_, f.id) - sorted_ids_.begin())] =
+        std::int32_t(vertices_.size());
+    vertices_.push_back(f.id);
+    points_.push_back(f.x);
+  }
   places_.clear();
   for (const std::int64_t id : ring_ids_)
-    places_.push_back(std::int32_t(std::ranges::lower_bound(vertices_, id) - vertices_.begin()));
+    places_.push_back(
+        place_of_[std::size_t(std::ranges::lower_bound(sorted_ids_, id) - sorted_ids_.begin())]);
   return true;
 }
 
@@ -196,6 +213,21 @@ bool ClosedCell::wind(FaceFindings& findings) {
     ring.flipped ^= volume < 0.0;
   volume_ = std::abs(volume) / 6.0;
   return true;
+}
+
+/// Each ring begins at its first vertex, and rings are in the order of their vertices.
+void ClosedCell::order_rings() {
+  for (Ring& ring : rings_) {
+    const auto begin = places_.begin() + ring.first, end = begin + ring.size;
+    if (std::exchange(ring.flipped, false))
+      std::reverse(begin, end);
+    std::rotate(begin, std::min_element(begin, end), end);
+  }
+  std::ranges::sort(rings_, [&](const Ring& a, const Ring& b) {
+    const auto from = places_.begin();
+    return std::lexicographical_compare(from + a.first, from + a.first + a.size, from + b.first,
+                                        from + b.first + b.size);
+  });
 }
 
 /// A volume that moves of the coordinates by their own rounding could make is none.

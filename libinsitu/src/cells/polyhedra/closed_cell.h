@@ -10,13 +10,15 @@
 namespace insitu::cells {
 
 /// One cell, put together from its faces: its vertices, and rings that all are wound outward,
-/// whatever way they were given. Reused from cell to cell.
+/// whatever way they were given. The order of vertices and rings, and where rings begin, follow
+/// from the coordinates alone, so that a cell is the same to the bit however it is numbered. Reused
+/// from cell to cell.
 class ClosedCell {
 public:
   struct Ring {
     std::int32_t first, size; ///< in ring_vertices()
     std::int64_t face;
-    bool flipped; ///< read backwards, it is wound outward
+    bool flipped; ///< while the cell is put together: read backwards, it is wound outward
   };
 
   ClosedCell(const mesh::FacesView& faces, const mesh::PieceView& piece, const std::string& name)
@@ -28,17 +30,20 @@ public:
   const std::vector<Ring>& rings() const { return rings_; }
   /// Vertex k of a ring wound outward, as a place in vertices().
   int at(const Ring& ring, int k) const {
-    const int i = ring.flipped ? ring.size - 1 - k : k;
-    return places_[std::size_t(ring.first + i)];
+    return places_[std::size_t(ring.first + (ring.flipped ? ring.size - 1 - k : k))];
   }
   std::int64_t id(int place) const { return vertices_[std::size_t(place)]; }
-  const std::vector<std::int64_t>& vertices() const { return vertices_; } ///< ascending
+  const std::vector<std::int64_t>& vertices() const { return vertices_; }
 
   /// The cell's vertices in VTK's order if it is a tetrahedron, pyramid, wedge or hexahedron;
   /// otherwise Shape::none.
   mesh::Shape recognise(std::int64_t ids[8]) const;
 
 private:
+  struct Found {
+    math::Vec3d x;
+    std::int64_t id;
+  };
   struct Edge {
     std::int32_t low, high, ring;
     bool ascends; ///< the ring runs from low to high
@@ -48,6 +53,7 @@ private:
   bool match_edges(FaceFindings& findings);
   bool wind(FaceFindings& findings);
   bool has_volume() const;
+  void order_rings();
   void refuse(std::int64_t& errors, const std::string& what, FaceFindings& findings) const;
   bool are_joined(int a, int b) const;
   /// The vertices that edges join to those of a ring, in its order; false if a vertex has another
@@ -63,6 +69,9 @@ private:
   std::vector<std::int64_t> ring_ids_; ///< [ring vertex] ids
   std::vector<std::int32_t> places_;   ///< [ring vertex] in vertices_
   std::vector<std::int64_t> vertices_; ///< ids
+  std::vector<std::int64_t> sorted_ids_;
+  std::vector<std::int32_t> place_of_; ///< [of sorted_ids_] in vertices_
+  std::vector<Found> found_;
   std::vector<math::Vec3d> points_;
   std::vector<Edge> edges_; ///< sorted: each twice
   std::vector<std::int32_t> parent_;

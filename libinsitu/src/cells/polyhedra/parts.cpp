@@ -226,6 +226,7 @@ mesh::PieceView Parts::view(const mesh::PieceView& own) const {
   v.vertex_count = own.vertex_count + made_count();
   v.id_stride = ids_.item_size();
   v.points = own.points;
+  v.part_of = cell_of_.data();
   v.is_halo = own.is_halo;
   if (uniform_ != Shape::none || part_count() == 0) {
     v.uniform_shape = uniform_ == Shape::none ? Shape::tetrahedron : uniform_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace insitu::render {
 
@@ -31,10 +32,14 @@ void VertexAverage::refresh(const mesh::MeshView& mesh, const ScalarField& cell_
           for (std::int64_t v = first + begin; v < first + end; ++v) {
             const std::span<const std::uint32_t> cells = around.of(v);
             double sum = 0.0;
-            std::int64_t count = 0;
+            std::int64_t count = 0, last = -1;
             for (const std::uint32_t flat : cells) {
               const std::int32_t of = mesh.piece_of(flat);
               const std::int64_t cell = std::int64_t(flat) - mesh.first_cell[of];
+              const std::uint32_t* const part_of = mesh.pieces[of].part_of;
+              const std::int64_t whole = mesh.first_cell[of] + (part_of ? part_of[cell] : cell);
+              if (std::exchange(last, whole) == whole)
+                continue; // another part of the same cell
               const double value = cell_field.load(of, cell);
               if ((std::isnan(value) && cell_field.field.has_blanks) ||
                   (!std::isfinite(value) && !mesh.pieces[of].exists(cell)))

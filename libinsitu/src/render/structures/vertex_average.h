@@ -12,8 +12,8 @@
 namespace insitu::render {
 
 /// A cell field made continuous: at each vertex the plain average of the cells around it
-/// (VertexCells; NaN where there is none). An isosurface needs it, since a field that is constant
-/// in each cell has none. Values are the same for any number of threads. At the border of two
+/// (VertexCells; NaN where there is none; a cell of several parts counts once). An isosurface needs
+/// it, since a field that is constant in each cell has none. Values are the same for any number of threads. At the border of two
 /// pieces both have the same where vertices coincide (VertexCells) or duplicates of the other's
 /// cells lend their values; otherwise an isosurface may show a step there. 8 bytes a vertex.
 class VertexAverage {

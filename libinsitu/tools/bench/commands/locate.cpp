@@ -17,7 +17,8 @@ void sample(const core::Threads& threads, const commit::CommittedMesh& mesh,
   double* const values = answers.values.data();
   sampler.visit(threads, points, options, [&](const query::Answered& answered) {
     for (std::size_t k = 0; k < answered.locations.size(); ++k)
-      answers.cells[answered.item(k)] = answered.locations[k].cell;
+      answers.cells[answered.item(k)] =
+          mesh.own(answered.locations[k], points[answered.item(k)]).cell;
     sampler.interpolate(std::span(&field, 1), answered, 0, &values);
   });
 }
@@ -196,11 +197,11 @@ void Locating::check() {
   // Rounding may put points on the boundary elsewhere, and not every mesh fills its box: exact
   // arithmetic tells who holds them.
   const bool fills_box = o_.mesh_file.empty() && o_.spacing != workload::Spacing::sparse;
-  if (on_boundary_ || (o_.pattern == Pattern::march && !fills_box)) {
+  if (on_boundary_ || (o_.pattern == Pattern::march && !fills_box) || setup_.mesh.has_faces()) {
     std::vector<query::Location> truth(points().size());
     committed_->sampler().locate(threads_, points(), truth, exact_);
-    for (const query::Location& at : truth)
-      owners.push_back(at.cell);
+    for (std::size_t i = 0; i < truth.size(); ++i)
+      owners.push_back(committed_->own(truth[i], points()[i]).cell);
   }
   report_.ours.verdict =
       bench::check(setup_.mesh, queries_, owners, answers_.cells, answers_.values);

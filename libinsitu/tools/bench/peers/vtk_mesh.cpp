@@ -3,7 +3,9 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <span>
 #include <vtkCellArray.h>
+#include <vtkCellType.h>
 #include <vtkDoubleArray.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
@@ -70,14 +72,44 @@ workload::Mesh read_vtu(const std::string& file) {
   return mesh;
 }
 
-vtkSmartPointer<vtkUnstructuredGrid> make_grid(const workload::Mesh& mesh,
-                                               const std::vector<double>& field) {
-  vtkNew<vtkDoubleArray> coordinates;
-  coordinates->SetNumberOfComponents(3);
-  coordinates->SetArray(const_cast<double*>(mesh.points.data()), vtkIdType(mesh.points.size()), 1);
-  vtkNew<vtkPoints> points;
-  points->SetData(coordinates);
+namespace {
 
+/// Each cell with its faces wound outward, as VTK wants them.
+void add_polyhedra(const workload::Mesh& mesh, vtkUnstructuredGrid* grid) {
+  vtkNew<vtkIdList> faces;
+  for (std::int64_t c = 0; c < mesh.cell_count(); ++c) {
+    const auto rings = std::span(mesh.cell_faces)
+                           .subspan(std::size_t(mesh.cell_offsets[std::size_t(c)]),
+                                    std::size_t(mesh.cell_offsets[std::size_t(c) + 1] -
+                                                mesh.cell_offsets[std::size_t(c)]));
+    const auto ring_of = [&](std::int32_t face) {
+      const auto first = std::size_t(mesh.face_offsets[std::size_t(face)]);
+      return std::span(mesh.face_vertices)
+          .subspan(first, std::size_t(mesh.face_offsets[std::size_t(face) + 1]) - first);
+    };
+    math::Vec3d centre;
+    std::int64_t count = 0;
+    for (const std::int32_t face : rings)
+      for (const std::int32_t v : ring_of(face)) {
+        centre += mesh.point(v);
+        ++count;
+      }
+    centre = centre / double(count);
+    faces->Reset();
+    faces->InsertNextId(vtkIdType(rings.size()));
+    for (const std::int32_t face : rings) {
+      const auto ring = ring_of(face);
+      const math::Vec3d a = mesh.point(ring[0]), b = mesh.point(ring[1]), d = mesh.point(ring[2]);
+      const bool outward = dot(cross(b - a, d - a), a - centre) > 0.0;
+      faces->InsertNextId(vtkIdType(ring.size()));
+      for (std::size_t k = 0; k < ring.size(); ++k)
+        faces->InsertNextId(ring[outward ? k : ring.size() - 1 - k]);
+    }
+    grid->InsertNextCell(VTK_POLYHEDRON, faces);
+  }
+}
+
+void add_cells(const workload::Mesh& mesh, vtkUnstructuredGrid* grid) {
   const vtkIdType cells = mesh.cell_count();
   vtkNew<vtkTypeInt32Array> connectivity, offsets;
   connectivity->SetArray(const_cast<std::int32_t*>(mesh.connectivity.data()),
@@ -94,10 +126,25 @@ vtkSmartPointer<vtkUnstructuredGrid> make_grid(const workload::Mesh& mesh,
   offsets->SetValue(cells, at);
   vtkNew<vtkCellArray> cell_array;
   cell_array->SetData(offsets.Get(), connectivity.Get());
+  grid->SetCells(types, cell_array);
+}
+
+} // namespace
+
+vtkSmartPointer<vtkUnstructuredGrid> make_grid(const workload::Mesh& mesh,
+                                               const std::vector<double>& field) {
+  vtkNew<vtkDoubleArray> coordinates;
+  coordinates->SetNumberOfComponents(3);
+  coordinates->SetArray(const_cast<double*>(mesh.points.data()), vtkIdType(mesh.points.size()), 1);
+  vtkNew<vtkPoints> points;
+  points->SetData(coordinates);
 
   auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
   grid->SetPoints(points);
-  grid->SetCells(types, cell_array);
+  if (mesh.has_faces())
+    add_polyhedra(mesh, grid);
+  else
+    add_cells(mesh, grid);
   vtkNew<vtkDoubleArray> values;
   values->SetName("f");
   values->SetArray(const_cast<double*>(field.data()), vtkIdType(field.size()), 1);

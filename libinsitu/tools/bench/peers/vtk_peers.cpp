@@ -45,9 +45,10 @@ private:
   void run(std::span<const Vec3d> points, std::span<std::int64_t> cells,
            std::span<Vec3d> parametric, double* values) {
     vtkNew<vtkGenericCell> cell;
+    std::vector<double> weights(std::size_t(grid_->GetMaxCellSize()));
     for (std::size_t i = 0; i < points.size(); ++i) {
-      double x[3] = {points[i].x, points[i].y, points[i].z}, r[3], weights[8] = {};
-      cells[i] = locator_->FindCell(x, 0.0, cell, r, weights);
+      double x[3] = {points[i].x, points[i].y, points[i].z}, r[3];
+      cells[i] = locator_->FindCell(x, 0.0, cell, r, weights.data());
       if (!parametric.empty())
         parametric[i] = {r[0], r[1], r[2]};
       if (!values)
@@ -55,7 +56,7 @@ private:
       values[i] = 0.0;
       if (cells[i] >= 0)
         for (vtkIdType v = 0; v < cell->GetNumberOfPoints(); ++v)
-          values[i] += weights[v] * field_[cell->GetPointId(int(v))];
+          values[i] += weights[std::size_t(v)] * field_[cell->GetPointId(int(v))];
     }
   }
 

@@ -47,6 +47,7 @@ Cut cut_at(Kind kind, int i) {
   case Kind::pyramids:
     return Cut::centre;
   case Kind::mixed:
+  case Kind::polyhedra: // are no cut hexahedra
     break;
   }
   return mixed_slabs[i % 8];
@@ -190,12 +191,12 @@ private:
 } // namespace
 
 const char* name(Kind kind) {
-  constexpr const char* names[] = {"hex", "tet", "wedge", "pyramid", "mixed"};
+  constexpr const char* names[] = {"hex", "tet", "wedge", "pyramid", "mixed", "poly"};
   return names[int(kind)];
 }
 
 std::optional<Kind> kind_from_name(std::string_view text) {
-  for (int k = 0; k < 5; ++k)
+  for (int k = 0; k < 6; ++k)
     if (text == name(Kind(k)))
       return Kind(k);
   return std::nullopt;
@@ -214,6 +215,8 @@ std::optional<Spacing> spacing_from_name(std::string_view text) {
 }
 
 std::int64_t Mesh::cell_count() const {
+  if (has_faces())
+    return std::int64_t(cell_offsets.size()) - 1;
   if (!types.empty())
     return std::int64_t(types.size());
   const int n = mesh::vertex_count(uniform_shape);
@@ -229,7 +232,8 @@ int Mesh::gather(std::int64_t cell, Vec3d* x) const {
 }
 
 Mesh make_box(Kind kind, int n, double jitter, Spacing spacing) {
-  return Builder(kind, n, jitter, spacing).take();
+  return kind == Kind::polyhedra ? make_octahedra(n, jitter)
+                                 : Builder(kind, n, jitter, spacing).take();
 }
 
 Mesh make_twisted_box(int n, double amplitude) {
@@ -252,6 +256,8 @@ Mesh make_twisted_box(int n, double amplitude) {
 }
 
 std::int64_t box_cell_count(Kind kind, int n) {
+  if (kind == Kind::polyhedra)
+    return std::int64_t(n) * n * n + std::int64_t(n - 1) * (n - 1) * (n - 1);
   std::int64_t across = 0; // cells in a row of hexahedra along x
   for (int i = 0; i < n; ++i)
     switch (cut_at(kind, i)) {

@@ -13,9 +13,9 @@
 /// random queries, 3 to 5 boundary sets, 6 renumbering, 8 islands.
 namespace insitu::workload {
 
-enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed };
+enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed, polyhedra };
 
-/// "hex", "tet", "wedge", "pyramid", "mixed".
+/// "hex", "tet", "wedge", "pyramid", "mixed", "poly".
 const char* name(Kind kind);
 std::optional<Kind> kind_from_name(std::string_view name);
 
@@ -40,6 +40,11 @@ struct Mesh {
   std::vector<std::uint8_t> types;
   std::vector<std::int64_t> offsets;
   mesh::Shape uniform_shape = mesh::Shape::none;
+  /// Of polyhedra, in place of these: face f has its vertices at [face_offsets[f], face_offsets[f +
+  /// 1]), cell c its faces at [cell_offsets[c], cell_offsets[c + 1]).
+  std::vector<std::int32_t> face_vertices, cell_faces;
+  std::vector<std::int64_t> face_offsets, cell_offsets;
+  bool has_faces() const { return !cell_offsets.empty(); }
   /// The mean edge in x of the hexahedra that the cells were cut from; twice the step of marched
   /// queries.
   double cell_size = 0.0;
@@ -73,7 +78,10 @@ struct Mesh {
 ///    wedges, centre, tetrahedra, centre, wedges, hexahedra, hexahedra; where `centre` is cut about
 ///    the vertices' average, into a pyramid a face or, where the neighbour's face is cut into
 ///    triangles, two tetrahedra.
+///  - polyhedra: truncated octahedra instead, about the middles of the cubes and the inner corners
+///    of a lattice; the spacing is even, and the jitter a share of a quarter of a cube.
 Mesh make_box(Kind kind, int n, double jitter, Spacing spacing = Spacing::even);
+Mesh make_octahedra(int n, double jitter);
 /// The even box of n^3 hexahedra, twisted: interior vertices move by +-amplitude / n in x and in y,
 /// by turns, so that every interior cell's two ends are turned or sheared in opposite directions
 /// and the quads between them are bent as far. Up to an amplitude of 0.45 no cell folds.

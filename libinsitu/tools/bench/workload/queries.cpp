@@ -33,16 +33,41 @@ Queries uniform(const Mesh& mesh) {
   q.made_in.resize(std::size_t(n));
   for (std::int64_t c = 0; c < n; ++c) {
     Vec3d x[8], sum;
-    const int vertices = mesh.gather(c, x);
-    for (int v = 0; v < vertices; ++v)
-      sum += x[v];
+    std::int64_t vertices = 0;
+    if (mesh.has_faces()) { // a vertex of these lies on three faces
+      for (std::int64_t k = mesh.cell_offsets[std::size_t(c)];
+           k < mesh.cell_offsets[std::size_t(c) + 1]; ++k) {
+        const auto f = std::size_t(mesh.cell_faces[std::size_t(k)]);
+        for (std::int64_t v = mesh.face_offsets[f]; v < mesh.face_offsets[f + 1]; ++v, ++vertices)
+          sum += mesh.point(mesh.face_vertices[std::size_t(v)]);
+      }
+    } else {
+      vertices = mesh.gather(c, x);
+      for (int v = 0; v < vertices; ++v)
+        sum += x[v];
+    }
     q.points[std::size_t(c)] = sum / double(vertices);
     q.made_in[std::size_t(c)] = std::int32_t(c);
   }
   return q;
 }
 
+/// Where polyhedra leave no gaps.
+Queries random_in_middle(const Mesh& mesh, std::int64_t count) {
+  Queries q;
+  const double margin = 0.75 * mesh.cell_size;
+  for (std::uint64_t i = 0; i < std::uint64_t(count); ++i) {
+    Vec3d p;
+    for (int a = 0; a < 3; ++a)
+      p[a] = margin + (1.0 - 2.0 * margin) * core::random_unit(2, i, std::uint64_t(1 + a));
+    q.points.push_back(p);
+  }
+  return q;
+}
+
 Queries random(const Mesh& mesh, std::int64_t count) {
+  if (mesh.has_faces())
+    return random_in_middle(mesh, count);
   Queries q;
   const auto cells = std::uint64_t(mesh.cell_count());
   q.points.resize(std::size_t(count));
@@ -67,7 +92,8 @@ Queries in_morton_order(const Queries& from) {
   q.made_in.reserve(from.points.size());
   for (const std::uint32_t i : morton_order(from.points)) {
     q.points.push_back(from.points[i]);
-    q.made_in.push_back(from.made_in[i]);
+    if (!from.made_in.empty())
+      q.made_in.push_back(from.made_in[i]);
   }
   return q;
 }

@@ -28,7 +28,8 @@ struct Queries {
 
 /// Queries on a mesh.
 ///  - uniform: the vertex average of every cell, in cell order; `count` is ignored.
-///  - random: `count` points, each in a random cell at random parametric coordinates.
+///  - random: `count` points, each in a random cell at random parametric coordinates; among
+///    polyhedra anywhere where these leave no gaps, and made in no cell that is known.
 ///  - sorted: the same points in morton_order.
 ///  - march: points half a cell apart along the view rays of the standard camera through the
 ///    mesh's box, from the image's middle row on, until there are `count` of them; fewer if the

@@ -168,7 +168,8 @@ struct Locations {
   std::vector<std::uint8_t> found;  /**< [size()] 1 inside the mesh, 0 outside */
   std::vector<std::int64_t> cells;  /**< [size()] the owner's id; cell_base - 1 outside */
   std::vector<std::int32_t> pieces; /**< [size()] the owner's piece; -1 outside */
-  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates; NaN outside */
+  std::vector<double> parametric;   /**< [size()][3] VTK's parametric coordinates; NaN outside
+                                         and in polyhedra */
   std::vector<Reason> reasons;      /**< [size()] why the points have these owners; empty unless
                                          asked for */
   std::vector<std::int32_t> ranks;  /**< [size()] the owner's process, -1 outside; of queries

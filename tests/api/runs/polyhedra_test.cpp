@@ -1,0 +1,99 @@
+// Hexahedra that are cut at planes, by their faces, show and tell what the same cube does whole.
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "coupled.h"
+#include "cubes.h"
+#include "output/image/png.h"
+
+namespace {
+
+const char* const scene = R"(insitu: 1
+page: false
+probes:
+  - {name: p, points: [[0.31, 0.47, 0.53], [0.72, 0.28, 0.61]], fields: [salt, number]}
+frames:
+  - {name: volume, size: [64, 64], volume: {field: salt, unit_distance: 1}}
+  - {name: surface, size: [64, 64], isosurfaces: [{field: salt, values: [0.4], normals: smooth}]}
+  - {name: boundary, size: [64, 64], boundary: {color: {field: salt, range: [0, 1]}}}
+  - {name: paths, size: [32, 32], volume: {field: salt, unit_distance: 1}, path_tracing: {samples: 64}}
+  - {name: averages, size: [64, 64], isosurfaces: [{field: ones, values: [0.5]}], boundary: {color: {field: ones, range: [0, 2]}}}
+)";
+
+/// The files of a run, of a cube that `give` hands over.
+template <class Give>
+void run(const std::string& output, Give&& give) {
+  insitu::Options options;
+  options.scene_text = scene;
+  options.output = output;
+  options.log = [](insitu::LogLevel level, const char* message) {
+    if (level <= insitu::LogLevel::warning)
+      ADD_FAILURE() << message;
+  };
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("m");
+  give(mesh);
+  ASSERT_TRUE(session.execute(0, 0.0)) << insitu_last_message();
+  session.close();
+}
+
+void give_cells(insitu::Mesh& mesh, std::size_t cells, std::vector<double>& number,
+                std::vector<double>& ones) {
+  for (std::size_t c = 0; c < cells; ++c)
+    number.push_back(double(c));
+  ones.assign(cells, 1.0);
+  mesh.cell_field("number", insitu::Array(number));
+  mesh.cell_field("ones", insitu::Array(ones));
+}
+
+} // namespace
+
+TEST(PolyhedralRuns, ShowWhatTheWholeCellsShow) {
+  const test::Folder cut_folder, whole_folder;
+  std::vector<double> number, ones, number_of_whole, ones_of_whole;
+  runs::CutCube cut;
+  insitu::test::TestMesh box = insitu::test::make_mesh(
+      {.kind = insitu::test::MeshKind::hexahedra, .size = 4, .jitter = 0.0}, 3);
+  for (auto& x : box.vertices)
+    x = x / 4.0;
+  runs::Arrays whole(box);
+  const std::size_t cells = cut.faces.cell_offsets.size() - 1;
+  run(cut_folder.path(), [&](insitu::Mesh& mesh) {
+    cut.give(mesh);
+    give_cells(mesh, cells, number, ones);
+  });
+  run(whole_folder.path(), [&](insitu::Mesh& mesh) {
+    whole.give(mesh, false);
+    give_cells(mesh, box.cells.size(), number_of_whole, ones_of_whole);
+  });
+  const runs::Table p = runs::parse_table(test::content(cut_folder / "p.csv"));
+  for (std::size_t row = 0; row < 2; ++row) {
+    EXPECT_NEAR(p.number(row, "salt"), row ? 0.72 : 0.31, 1e-14);
+    EXPECT_EQ(p.number(row, "number"), p.number(row, "cell"));
+    EXPECT_LT(p.number(row, "cell"), double(cells));
+  }
+  const auto image = [](const test::Folder& folder, const std::string& name) {
+    return insitu::output::read_png(folder / (name + "_000000.png"));
+  };
+  for (const char* name : {"volume", "surface", "boundary", "averages"}) {
+    const auto a = image(cut_folder, name), b = image(whole_folder, name);
+    ASSERT_EQ(a.width, b.width);
+    // The same field in other cells: single pixels at silhouettes, and codes next to each other.
+    int others = 0, most = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      const int differ = std::abs(int(a.pixels[i]) - int(b.pixels[i]));
+      others += differ > 1;
+      most = std::max(most, differ);
+    }
+    EXPECT_LE(others, int(a.pixels.size() / 500)) << name << ", at most " << most;
+  }
+  // Paths turn elsewhere, since other cells bound the density otherwise; light is the same.
+  const auto brightness = [&](const test::Folder& folder) {
+    double sum = 0;
+    const auto a = image(folder, "paths");
+    for (const std::uint8_t code : a.pixels)
+      sum += code;
+    return sum / double(a.pixels.size());
+  };
+  EXPECT_NEAR(brightness(cut_folder), brightness(whole_folder), 2.0);
+}
