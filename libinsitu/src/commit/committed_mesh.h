@@ -123,6 +123,18 @@ public:
   /// (adaptive meshes' duals) have numbers in the place of global ids, and no pieces.
   CellName located_name(std::int64_t flat) const;
   std::int64_t find_located(const CellName& name) const;
+  /// What other processes get of this one's cells is taken from here; and the cell of
+  /// mesh().own_view() that such a one is, or is a part of.
+  const mesh::MeshView& lent_view() const {
+    return lends_parts() ? mesh_.view() : mesh_.own_view();
+  }
+  std::int64_t own_of_lent(std::int64_t flat) const {
+    return lends_parts() ? stand_in_->place(flat).own : flat;
+  }
+  mesh::FieldView lent_field(const std::string& name) const {
+    return lends_parts() ? mesh_.field(name) : mesh_.own_field(name);
+  }
+  bool lends_parts() const { return stand_in_ && stand_in_->lends_parts(); }
   /// The flat id here of a cell of some process; -1: it is neither this process's nor in the halo.
   std::int64_t find(const CellName& name) const;
   query::Sampler sampler() const {

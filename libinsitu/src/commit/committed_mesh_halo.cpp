@@ -41,7 +41,7 @@ CellName CommittedMesh::located_name(std::int64_t flat) const {
   const StandIn::Place at = stand_in_->place(flat);
   CellName found = name(at.own);
   found.chart = at.chart;
-  found.copy = at.copy;
+  found.copy = std::max(found.copy, at.copy);
   return found;
 }
 
@@ -154,26 +154,18 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
   rank_ = world.rank();
   if (world.size() == 1)
     return;
-  std::int64_t any[7];
+  std::int64_t any[6];
   const auto compare = [&] {
     const std::int64_t here[] = {(is_made() && !mesh_.is_adaptive()) || on_device_,
                                  !halo_ || halo_topology_ != topology_version_,
                                  halo_geometry_ != geometry_version_,
                                  halo_fields_ != fields_version_,
                                  lacks_whole_chart(),
-                                 mesh_.is_adaptive(),
-                                 mesh_.has_faces()};
+                                 mesh_.is_adaptive()};
     std::ranges::copy(here, any);
     world.reduce(std::span(any), Reduction::greatest);
   };
   compare();
-  if (any[6])
-    world.agree_after([&] {
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "mesh '" + mesh_.name() +
-                            "' has cells given by faces: such meshes over several processes are "
-                            "not there yet");
-    });
   if (any[4]) {
     adopt_whole_chart(world, threads, log);
     compare();

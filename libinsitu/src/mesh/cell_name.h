@@ -16,7 +16,7 @@ struct CellName {
   /// 0: where the solver has it; else a copy of a geodetic mesh's cell: moved by whole turns, on
   /// the chart turned north, on that turned south.
   std::int32_t chart = 0;
-  std::int32_t copy = 0; ///< 1: the second one there
+  std::int32_t copy = 0; ///< 1: the second one there; of what stands in for a polyhedron its number
   bool operator==(const CellName&) const = default;
   auto operator<=>(const CellName& b) const {
     return std::tie(chart, global, rank, piece, cell, copy) <=>

@@ -25,6 +25,7 @@ mesh::PieceView Halo::Borrowed::view() {
   v.offsets = {bytes(offsets), std::int64_t(offsets.size()), sizeof(std::int64_t), false};
   v.types = bytes(types);
   v.types_stride = 1;
+  v.part_of = part_of.empty() ? nullptr : part_of.data();
   v.axis_is_float32 = from_float32;
   for (int a = 0; a < 3; ++a)
     v.points.component[a] = bytes(points) + std::size_t(a) * sizeof(double);
@@ -54,9 +55,10 @@ void Halo::swap(parallel::World& world, core::FunctionRef<void(std::vector<ByteW
 /// Writes the cells, grouped by pieces: of each its number and sizes, then its arrays.
 void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
                 std::vector<ByteWriter>& to) {
-  const mesh::MeshView& view = mesh.mesh().own_view();
+  const mesh::MeshView& view = mesh.lent_view();
   const bool has_global = mesh.mesh().has_global_ids(INSITU_CELL);
-  std::vector<std::int64_t> global, offsets;
+  std::vector<std::int64_t> global, offsets, numbers;
+  std::vector<std::uint32_t> part;
   std::vector<std::int32_t> connectivity;
   std::vector<std::uint8_t> types;
   std::vector<math::Vec3d> points;
@@ -76,6 +78,7 @@ void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::in
       lent.vertices.erase(std::unique(lent.vertices.begin(), lent.vertices.end()),
                           lent.vertices.end());
       global.clear(), offsets.clear(), connectivity.clear(), types.clear(), points.clear();
+      numbers.clear(), part.clear();
       for (const std::int64_t cell : lent.cells) {
         const int n = piece.vertex_ids(cell, ids);
         offsets.push_back(std::int64_t(connectivity.size()));
@@ -83,20 +86,25 @@ void Halo::lend(const CommittedMesh& mesh, const std::vector<std::vector<std::in
         for (int v = 0; v < n; ++v)
           connectivity.push_back(std::int32_t(std::ranges::lower_bound(lent.vertices, ids[v]) -
                                               lent.vertices.begin()));
+        const std::int64_t own = mesh.own_of_lent(view.first_cell[p] + cell);
+        numbers.push_back(own - mesh.mesh().own_view().first_cell[p]);
+        if (piece.part_of)
+          part.push_back(std::uint32_t(mesh.stand_in()->place(view.first_cell[p] + cell).copy));
         if (has_global)
-          global.push_back(mesh.mesh().global_id(INSITU_CELL, view.first_cell[p] + cell));
-        seam_[std::size_t((view.first_cell[p] + cell) >> 6)] |=
-            std::uint64_t(1) << ((view.first_cell[p] + cell) & 63);
+          global.push_back(mesh.mesh().global_id(INSITU_CELL, own));
+        seam_[std::size_t(own >> 6)] |= std::uint64_t(1) << (own & 63);
       }
       for (const std::int64_t v : lent.vertices)
         points.push_back(piece.point(v));
       to[r].value(p);
       to[r].value(std::int32_t(has_global));
+      to[r].value(std::int32_t(piece.part_of != nullptr));
       to[r].value(std::int32_t(piece.points.is_float32 || piece.axis_is_float32));
       to[r].value(std::int64_t(lent.cells.size()));
       to[r].value(std::int64_t(points.size()));
       to[r].value(std::int64_t(connectivity.size()));
-      to[r].array(std::span<const std::int64_t>(lent.cells));
+      to[r].array(std::span<const std::int64_t>(numbers));
+      to[r].array(std::span<const std::uint32_t>(part));
       to[r].array(std::span<const std::int64_t>(global));
       to[r].array(std::span<const std::int64_t>(offsets));
       to[r].array(std::span<const std::int32_t>(connectivity));
@@ -112,6 +120,7 @@ void Halo::borrow(int rank, ByteReader& from) {
     b.rank = rank;
     b.piece = from.value<std::int32_t>();
     b.has_global = from.value<std::int32_t>() != 0;
+    const bool are_parts = from.value<std::int32_t>() != 0;
     b.from_float32 = from.value<std::int32_t>() != 0;
     const auto cells = std::size_t(from.value<std::int64_t>());
     const auto vertices = std::size_t(from.value<std::int64_t>());
@@ -123,6 +132,10 @@ void Halo::borrow(int rank, ByteReader& from) {
       from.array(buffer.span());
     };
     read(b.cells, cells);
+    read(b.part, are_parts ? cells : 0);
+    b.part_of.resize_discard(b.part.size());
+    for (std::size_t c = 0; c < b.part_of.size(); ++c)
+      b.part_of[c] = std::uint32_t(b.cells[c]);
     read(b.global, b.has_global ? cells : 0);
     read(b.offsets, cells);
     read(b.connectivity, ids);
@@ -161,7 +174,7 @@ void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
-        const mesh::MeshView& view = mesh.mesh().own_view();
+        const mesh::MeshView& view = mesh.lent_view();
         for (const Lent& lent : lent_)
           for (const std::int64_t v : lent.vertices)
             to[std::size_t(lent.rank)].value(view.pieces[lent.piece].point(v));
@@ -176,7 +189,7 @@ void Halo::refresh_points(const CommittedMesh& mesh, parallel::World& world) {
 void Halo::refresh_values(const CommittedMesh& mesh, parallel::World& world,
                           std::span<double> values, insitu_association association,
                           int components) const {
-  const mesh::MeshView& view = mesh.mesh().own_view();
+  const mesh::MeshView& view = mesh.lent_view();
   const bool of_cells = association == INSITU_CELL;
   const std::int64_t* const first = of_cells ? view.first_cell : view.first_vertex;
   const auto n = std::size_t(components);
@@ -207,7 +220,7 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
       [&](std::vector<ByteWriter>& to) {
         for (const Lent& lent : lent_)
           for (const std::string& name : names) {
-            const mesh::FieldView field = mesh.mesh().own_field(name);
+            const mesh::FieldView field = mesh.lent_field(name);
             const mesh::FieldPieceView& values = field.pieces[lent.piece];
             ByteWriter& out = to[std::size_t(lent.rank)];
             out.value(std::int32_t(field.association));
@@ -272,7 +285,9 @@ mesh::FieldPieceView Halo::values(const std::string& field, std::size_t piece) c
 CellName Halo::name(std::size_t piece, std::int64_t cell) const {
   const Borrowed& b = borrowed_[piece];
   const auto i = std::size_t(cell);
-  return {b.has_global ? b.global[i] : -1, b.rank, b.piece, b.cells[i]};
+  CellName name{b.has_global ? b.global[i] : -1, b.rank, b.piece, b.cells[i]};
+  name.copy = b.part.empty() ? 0 : std::int32_t(b.part[i]);
+  return name;
 }
 
 std::pair<std::size_t, std::int64_t> Halo::find(const CellName& name) const {
@@ -284,8 +299,14 @@ std::pair<std::size_t, std::int64_t> Halo::find(const CellName& name) const {
     if (b == some.end() || of(*b) != std::pair(name.rank, name.piece))
       continue;
     const auto cell = std::lower_bound(b->cells.begin(), b->cells.end(), name.cell);
-    if (cell != b->cells.end() && *cell == name.cell)
-      return {std::size_t(b - borrowed_.begin()), cell - b->cells.begin()};
+    if (cell == b->cells.end() || *cell != name.cell)
+      continue;
+    std::int64_t at = cell - b->cells.begin();
+    for (auto part = at;
+         part < std::int64_t(b->part.size()) && b->cells[std::size_t(part)] == name.cell; ++part)
+      if (std::int32_t(b->part[std::size_t(part)]) == name.copy)
+        at = part;
+    return {std::size_t(b - borrowed_.begin()), at};
   }
   return {0, -1};
 }

@@ -35,7 +35,8 @@ using PeriodicAxes = std::array<bool, 3>;
 /// borrowed here and lent to others stays the same until the cells of a process change. Over
 /// periodic sides cells touch, too, that would if one of them were a period further on, give or
 /// take a quarter of a cell, by which sides that move may come apart. On a mesh in longitude and
-/// latitude cells touch in any of their places on its chart, and over its seam.
+/// latitude cells touch in any of their places on its chart, and over its seam. Of polyhedra parts
+/// touch and are here, by their cells' names (CommittedMesh::lent_view).
 class Halo final : public mesh::HaloPieces {
 public:
   explicit Halo(core::Memory& memory) : memory_(&memory) {}
@@ -73,7 +74,8 @@ public:
   /// Of the cell that is number `cell` in halo piece `piece`.
   CellName name(std::size_t piece, std::int64_t cell) const;
   /// The halo piece that has a cell of another process, and its number there; a number of -1: the
-  /// halo does not have it. The name's global id is not looked at.
+  /// halo does not have it. The name's global id is not looked at. Of a polyhedron the part, or
+  /// else the first that is here.
   std::pair<std::size_t, std::int64_t> find(const CellName& name) const;
   std::int64_t cell_count() const;
   /// Whether a cell of this process, by its flat id, touches others.
@@ -103,9 +105,11 @@ private:
     std::int32_t piece = 0;
     bool has_global = false, from_float32 = false; ///< the latter: coordinates
     core::Buffer<math::Vec3d> points;
-    core::Buffer<std::int64_t> cells, global, offsets;
+    core::Buffer<std::int64_t> cells, global, offsets; ///< of parts, the cells that they are of
     core::Buffer<std::int32_t> connectivity;
     core::Buffer<std::uint8_t> types;
+    /// Of parts of polyhedra: their cells, and which of a cell's a part is.
+    core::Buffer<std::uint32_t> part_of, part;
     std::optional<ToldLeaves> leaves; ///< of an adaptive mesh, in place of shapes and vertices
     std::map<std::string, std::unique_ptr<Values>> fields;
     /// Of cells, values come with those of leaves' ghost cells behind them.
@@ -116,7 +120,8 @@ private:
     explicit Borrowed(core::Memory& memory)
         : points(memory, INSITU_MEMORY_HALO), cells(memory, INSITU_MEMORY_HALO),
           global(memory, INSITU_MEMORY_HALO), offsets(memory, INSITU_MEMORY_HALO),
-          connectivity(memory, INSITU_MEMORY_HALO), types(memory, INSITU_MEMORY_HALO) {}
+          connectivity(memory, INSITU_MEMORY_HALO), types(memory, INSITU_MEMORY_HALO),
+          part_of(memory, INSITU_MEMORY_HALO), part(memory, INSITU_MEMORY_HALO) {}
     mesh::PieceView view();
   };
 

@@ -223,7 +223,7 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
             mine[kept++] = mine[i];
         mine.resize(kept);
         for (std::int64_t& flat : mine)
-          flat = stand_in ? stand_in->place(flat).own : flat;
+          flat = stand_in && !stand_in->lends_parts() ? stand_in->place(flat).own : flat;
         std::ranges::sort(mine);
         mine.erase(std::unique(mine.begin(), mine.end()), mine.end());
       });

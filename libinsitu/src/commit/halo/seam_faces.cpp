@@ -134,13 +134,13 @@ std::string told(const CellName& cell) {
 
 SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
   SeamMismatches found;
-  const mesh::MeshView& view = mesh.mesh().own_view();
+  const mesh::MeshView& view = mesh.lent_view();
   const std::int64_t own_cells = view.own_cell_count();
   if (view.halo_piece_count == 0 || !mesh.halo())
     return found;
   std::vector<Face> faces;
   for (std::int64_t flat = 0; flat < view.cell_count(); ++flat)
-    if (flat >= own_cells || mesh.halo()->is_at_seam(flat))
+    if (flat >= own_cells || mesh.halo()->is_at_seam(mesh.own_of_lent(flat)))
       add_faces(view, flat, faces);
   leave_unmatched(faces);
   const auto others = std::stable_partition(faces.begin(), faces.end(),
@@ -153,10 +153,10 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
   const FacesByPlace by_place(std::span(others, faces.end()), SeamMismatches::tolerance * largest);
   for (const Face& face : std::span(faces.begin(), others))
     if (const Face* const other = by_place.near(face)) {
-      const CellName own = mesh.name(face.cell);
+      const CellName own = mesh.name(mesh.own_of_lent(face.cell));
       if (found.count++ == 0 || own < found.own) {
         found.own = own;
-        found.other = mesh.name(other->cell);
+        found.other = mesh.name(mesh.own_of_lent(other->cell));
       }
     }
   return found;

@@ -79,7 +79,7 @@ StandIn::Found Polyhedral::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*
   if (!found.other_cells)
     return found;
   found.validation = validated(mesh.name(), threads);
-  log.info("mesh '" + mesh.name() + "': " + std::to_string(own_->cell_count()) +
+  log.info("mesh '" + mesh.name() + "': " + std::to_string(own_->own_cell_count()) +
            " cells, some of them given by faces, are located as " +
            std::to_string(view_.cell_count()) + ", " + std::to_string(bytes()) + " bytes");
   return found;
@@ -215,9 +215,13 @@ void Polyhedral::gather_piece(const mesh::FieldView& own, std::int32_t p, Gather
 
 StandIn::Place Polyhedral::place(std::int64_t flat) const {
   const std::int32_t p = view_.piece_of(flat);
-  const std::int64_t cell = flat - view_.first_cell[p];
+  const std::int64_t part = flat - view_.first_cell[p];
   const auto& piece = parts_[std::size_t(p)];
-  return {own_->first_cell[p] + (piece ? piece->parts.cell_of(cell) : cell)};
+  if (!piece)
+    return {own_->first_cell[p] + part};
+  const std::int64_t cell = piece->parts.cell_of(part);
+  return {own_->first_cell[p] + cell, 0,
+          std::int32_t(part - piece->parts.first()[std::size_t(cell)])};
 }
 
 std::int64_t Polyhedral::find(const Place& place) const {
@@ -227,7 +231,8 @@ std::int64_t Polyhedral::find(const Place& place) const {
   if (!piece)
     return view_.first_cell[p] + cell;
   const std::uint32_t* const first = piece->parts.first();
-  return first[cell] < first[cell + 1] ? view_.first_cell[p] + first[cell] : -1;
+  return first[cell] + place.copy < first[cell + 1] ? view_.first_cell[p] + first[cell] + place.copy
+                                                    : -1;
 }
 
 query::Location Polyhedral::own(const query::Location& at, const math::Vec3d& /*p*/) const {
@@ -285,8 +290,8 @@ cells::Validation Polyhedral::validated(const std::string& mesh_name,
           counts.collapsed_cells ==
       0)
     return found;
-  found.warning = "mesh '" + mesh_name + "': of " + std::to_string(own_->cell_count()) + " cells " +
-                  std::to_string(counts.inverted_cells) + " are inverted, " +
+  found.warning = "mesh '" + mesh_name + "': of " + std::to_string(own_->own_cell_count()) +
+                  " cells " + std::to_string(counts.inverted_cells) + " are inverted, " +
                   std::to_string(counts.zero_volume_cells) + " have no volume, " +
                   std::to_string(counts.folded_cells) +
                   " are folded, or given by faces that no point found in them sees all, " +

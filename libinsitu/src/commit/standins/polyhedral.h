@@ -34,6 +34,7 @@ public:
   Found commit(mesh::Mesh& mesh, const insitu_frame& frame, std::uint32_t changed,
                const core::Threads& threads, const core::Log& log) override;
   bool is_made() const override { return false; }
+  bool lends_parts() const override { return true; }
   bool stands() const override { return built_; }
 
   const mesh::MeshView& view() const override { return view_; }
@@ -42,6 +43,10 @@ public:
   mesh::FieldView field(const mesh::FieldView& own) override;
   /// Places within a cell that is cut are told by no coordinates: they are NaN.
   query::Location own(const query::Location& at, const math::Vec3d& p) const override;
+  query::Location own_here(const query::Location& at, const math::Vec3d& p) const override {
+    const query::Location own = this->own(at, p);
+    return own && own.cell < own_->own_cell_count() ? own : query::Location{};
+  }
   Place place(std::int64_t flat) const override;
   std::int64_t find(const Place& place) const override;
   std::optional<Held> held() const override {

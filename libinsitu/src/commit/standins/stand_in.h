@@ -58,12 +58,15 @@ public:
                                      const core::Threads& /*threads*/) {
     return view();
   }
+  /// Whether other processes get cells of view(), and fields on them, and not the solver's own.
+  virtual bool lends_parts() const { return false; }
   /// Whether view().one_mesh is told by the stand-in, and not looked for.
   virtual bool tells_one_mesh() const { return false; }
   /// Whether view() is in place; if not, points are located in the solver's cells.
   virtual bool stands() const = 0;
 
-  /// A cell of view() that is the solver's: which, and in which of its places (mesh::CellName).
+  /// A cell of view() that is the solver's: which, and in which of its places (mesh::CellName), or
+  /// which of its parts.
   struct Place {
     std::int64_t own; ///< flat over the pieces of own_view()
     std::int32_t chart = 0, copy = 0;

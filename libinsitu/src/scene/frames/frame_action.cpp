@@ -156,7 +156,7 @@ private:
   };
   CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh) const {
     const bool is_adaptive = mesh.mesh().is_adaptive(), any = mesh.mesh().has_stand_in();
-    std::int64_t found[] = {any && !is_adaptive, any && is_adaptive};
+    std::int64_t found[] = {any && mesh.stand_in()->chart(), any && is_adaptive};
     environment_.world.reduce(std::span(found), parallel::Reduction::greatest);
     return {found[0] != 0, found[1] != 0};
   }
