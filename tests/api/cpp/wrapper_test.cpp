@@ -379,27 +379,3 @@ TEST_F(Wrapper, SessionsMoveAndMeshesEndWithThem) {
   EXPECT_EQ(moved.handle(), nullptr);
   EXPECT_EQ(status_of([&] { mesh.commit(); }), INSITU_ERROR_HANDLE);
 }
-
-// A cube with a pyramid on it, as two cells by their faces, and as one cell of nine faces.
-TEST_F(Wrapper, CellsByTheirFaces) {
-  const std::vector<double> xyz{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0,
-                                1, 1, 0, 1, 1, 1, 1, 0, 1, 1, 1, 1, 3};
-  const std::vector<int> vertices{4, 5, 6, 7, 0, 1, 2, 3, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3,
-                                  7, 6, 3, 0, 4, 7, 4, 5, 8, 5, 6, 8, 6, 7, 8, 7, 4, 8};
-  const std::vector<long> offsets{0, 4, 8, 12, 16, 20, 24, 27, 30, 33, 36};
-  const std::vector<int> owner{0, 0, 0, 0, 0, 0, 1, 1, 1, 1}, neighbour{1};
-  const std::vector<double> numbers{10, 20};
-  mesh.points(xyz.data(), 9);
-  mesh.faces(vertices, offsets, owner, neighbour, 2);
-  mesh.cell_field("number", numbers.data());
-  EXPECT_EQ(mesh.commit().cells, 2);
-  const std::vector<double> in{0.5, 0.5, 0.5, 0.6, 0.6, 1.2};
-  const auto at = mesh.sample("number", insitu::Points(in));
-  EXPECT_EQ(at.values, numbers);
-  EXPECT_EQ(at.cells, (std::vector<std::int64_t>{0, 1}));
-  const std::vector<int> lists{1, 2, 3, 4, 5, 6, 7, 8, 9}, starts{0, 9};
-  mesh.remove_field("number");
-  mesh.faces_of_cells(vertices, offsets, lists, starts);
-  EXPECT_EQ(mesh.commit().cells, 1);
-  EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 0}));
-}
