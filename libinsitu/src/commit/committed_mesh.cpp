@@ -12,6 +12,7 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "device/available.h"
+#include "mesh/registered/earlier_parts.h"
 #include "mesh/registered/host_mirror.h"
 #include "query/point_query.h"
 
@@ -123,6 +124,27 @@ void CommittedMesh::note_queries() {
   located_before_ = points;
 }
 
+/// Own cells are not looked at again for other ones in the halo.
+cells::Validation CommittedMesh::validate_cells(const core::Threads& threads) {
+  const mesh::MeshView& view = mesh_.view();
+  if (stand_in_ || view.halo_piece_count == 0) {
+    cells::Validation all = cells::validate(mesh_.name(), view, threads);
+    if (!stand_in_)
+      own_counts_ = all.counts;
+    return all;
+  }
+  cells::Validation found =
+      cells::validate(mesh_.name(), view, threads, view.piece_count - view.halo_piece_count);
+  if (!own_counts_) {
+    cells::Validation own = cells::validate(mesh_.name(), mesh::own_part(view), threads);
+    own_counts_ = own.counts;
+    found.findings = std::move(own.findings); // others have told of theirs
+    found.warning = std::move(own.warning);
+  }
+  cells::join(found.counts, *own_counts_);
+  return found;
+}
+
 /// Throws INSITU_ERROR_MESH for cells that cannot be located in.
 void CommittedMesh::accept(const cells::Validation& validation, const mesh::MeshView& view,
                            const core::Threads& threads, const core::Log& log) {
@@ -133,10 +155,12 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
   const bool mirrored = reference_frame.vertical == INSITU_DOWN &&
                         c.inverted_cells == c.cells - c.ghost_cells &&
                         c.zero_volume_cells + c.folded_cells + c.collapsed_cells == 0;
-  if (!validation.warning.empty() && !mirrored)
-    log.warning(validation.warning);
-  if (const std::string rounding = cells::float_rounding(mesh_.name(), view); !rounding.empty())
-    log.warning(rounding);
+  if (!in_halo_commit_) { // which has told of its own cells
+    if (!validation.warning.empty() && !mirrored)
+      log.warning(validation.warning);
+    if (const std::string rounding = cells::float_rounding(mesh_.name(), view); !rounding.empty())
+      log.warning(rounding);
+  }
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);
   enter_topology(threads);
@@ -196,9 +220,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
     if (is_made())
       enter_topology(threads);
     else
-      accept(found.validation ? *found.validation
-                              : cells::validate(mesh_.name(), mesh_.view(), threads),
-             mesh_.view(), threads, log);
+      accept(found.validation ? *found.validation : validate_cells(threads), mesh_.view(), threads,
+             log);
   }
   const bool other_tree = update_tree(topology, pending, report, threads);
   tree_is_stale_ = false;
@@ -207,9 +230,16 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
     ++tree_version_;
 }
 
-/// Builds or refits the tree, if it is due; true then.
+/// Builds or refits the tree, or puts that off, if it is due; true then.
 bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
                                 const core::Threads& threads) {
+  if (topology && build_may_wait(threads)) {
+    fit_.put_off_build(threads.count());
+    report.action = INSITU_REBUILD;
+    commits_since_build_ = 0;
+    set_odd_cells(std::move(odd_cells_), threads);
+    return true;
+  }
   bool rebuild = topology;
   const bool refit = !topology && (pending & INSITU_CHANGED_GEOMETRY) != 0;
   if (refit) {
@@ -290,6 +320,8 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
       mesh_.set_one_mesh(false);
     mesh_.set_covers_once(false);
     ++geometry_version_;
+    if (!in_halo_commit_)
+      own_counts_.reset();
     on_demand_.facts.forget();
     sound_.forget();
     lone_.forget();
@@ -335,9 +367,11 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
 /// The mesh and its tree as they stand.
 void CommittedMesh::describe(insitu_commit_report& report) const {
   report.cost_ratio = tree_.cost_ratio();
-  report.builder = tree_.empty() || lies_on_device()                 ? INSITU_BUILDER_NONE
-                   : tree_.builder() == accel::Builder::surface_area ? INSITU_BUILDER_SURFACE_AREA
-                                                                     : INSITU_BUILDER_MORTON;
+  const bool is_due = fit_.lacks_tree() && mesh_.view().cell_count() > 0;
+  const accel::Builder builder = is_due ? policy_.builder() : tree_.builder();
+  report.builder = (tree_.empty() && !is_due) || lies_on_device() ? INSITU_BUILDER_NONE
+                   : builder == accel::Builder::surface_area      ? INSITU_BUILDER_SURFACE_AREA
+                                                                  : INSITU_BUILDER_MORTON;
   const mesh::MeshView& counted = is_copied() ? mesh_.own_view() : mesh_.view();
   report.cells = counted.own_cell_count();
   report.vertices = counted.first_vertex[counted.piece_count - counted.halo_piece_count];

@@ -59,8 +59,9 @@ public:
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
 
-  /// Brings the tree up to date with what changed: topology -> validate, rebuild; geometry ->
-  /// refit, or rebuild when that is due (see TreePolicy), once somebody asks the tree; fields ->
+  /// Brings the tree up to date with what changed: topology -> validate, rebuild (of a mesh that is
+  /// spread over processes once somebody asks the tree, or with its halo); geometry -> refit, or
+  /// rebuild when that is due (see TreePolicy), once somebody asks the tree; fields ->
   /// nothing here, or a better tree when that is due. strict refuses converted arrays. Throws
   /// core::Error; the mesh then is not committed.
   insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
@@ -259,7 +260,9 @@ private:
   void commit_on_device(std::uint32_t pending, insitu_commit_report& report,
                         const core::Threads& threads, const core::Log& log);
   void build_tree(insitu_commit_report& report, const core::Threads& threads);
+  bool build_may_wait(const core::Threads& threads) const;
   bool fit_may_wait(const core::Threads& threads) const;
+  cells::Validation validate_cells(const core::Threads& threads);
   void describe(insitu_commit_report& report) const;
   StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
                                  const core::Log& log);
@@ -305,6 +308,8 @@ private:
   PeriodicAxes sides_{}; ///< over which cells touch
   int rank_ = 0;
   bool in_halo_commit_ = false;
+  /// Of the solver's cells where they are; not known: they moved since they were looked at.
+  std::optional<insitu_validation> own_counts_;
   std::uint64_t own_topology_version_ = 0;
   std::uint64_t halo_topology_ = 0, halo_geometry_ = 0, halo_fields_ = 0; ///< versions in it
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).

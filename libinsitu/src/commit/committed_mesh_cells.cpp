@@ -55,7 +55,9 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   folds_are_known_ = true;
   sound_.close();
   const mesh::MeshView& view = mesh_.view();
-  if (!mesh::is_one(view) && !tells_one_mesh() && odd.few && !tree_.empty())
+  // With a halo there was one a step before, so that the next one comes before this matters.
+  const bool halo_follows = fit_.lacks_tree() && halo_ && !in_halo_commit_;
+  if (!mesh::is_one(view) && !tells_one_mesh() && odd.few && !halo_follows && !tree().empty())
     mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));
   if (!mesh::is_one(view))
     odd = {};

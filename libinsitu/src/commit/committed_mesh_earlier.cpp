@@ -87,7 +87,7 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
   if (whole && is_made())
     earlier_mesh_ = std::make_unique<EarlierMesh>(std::move(step), std::move(stand_in_),
                                                   tree_.take(), topology_version_, threads);
-  else if (whole && !earlier_cells_.empty() && !tree_is_stale_ && !fit_.is_broken())
+  else if (whole && !earlier_cells_.empty() && !tree_is_stale_ && !fit_.lacks_tree())
     earlier_mesh_ =
         std::make_unique<EarlierMesh>(std::move(step), std::move(earlier_cells_), tree_.take(),
                                       moved, kept_, topology_version_, *memory_, threads);

@@ -183,7 +183,7 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
     if (!none && leaves && topology)
       update_leaf_halo(world, threads);
     else if (!none && topology)
-      halo_->find(*this, sides_, world);
+      halo_->find(*this, sides_, world, threads);
     else if (!none && geometry)
       halo_->refresh_points(*this, world);
     if (!none && (topology || fields))

@@ -29,14 +29,26 @@ void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& 
   locators_.commit(mesh_, view, pending, threads);
 }
 
+/// The tree of a mesh that is spread over processes is built with its halo, if somebody asks for
+/// that, which looks for it without a tree.
+bool CommittedMesh::build_may_wait(const core::Threads& threads) const {
+  constexpr double bound = 0.25 * math::largest_coordinate;
+  const query::LocatorPick& pick = locators_.pick();
+  return mesh_.adaptive().is_part && !in_halo_commit_ && !stand_in_ &&
+         pick.method == accel::Method::bvh && pick.backend == accel::Backend::cpu &&
+         mesh_.vertices_are_within(bound, threads);
+}
+
 /// Rays, devices and stand-ins have structures beside the tree that are made with it. Vertices that
 /// are not finite are told by the commit.
 bool CommittedMesh::fit_may_wait(const core::Threads& threads) const {
   constexpr double bound = 0.25 * math::largest_coordinate; // from any origin within as well
   const query::LocatorPick& pick = locators_.pick();
   return !locators_.pending() && pick.method == accel::Method::bvh &&
-         pick.backend == accel::Backend::cpu && !stand_in_ && !tree_.empty() &&
-         is_within(tree_.origin(), bound) && mesh_.vertices_are_within(bound, threads);
+         pick.backend == accel::Backend::cpu && !stand_in_ &&
+         (tree_.empty() ? mesh_.adaptive().is_part && fit_.lacks_tree()
+                        : is_within(tree_.origin(), bound)) &&
+         mesh_.vertices_are_within(bound, threads);
 }
 
 bool CommittedMesh::many_were_located() const {
@@ -45,7 +57,7 @@ bool CommittedMesh::many_were_located() const {
 
 insitu_locator_info CommittedMesh::locator_info() const {
   require_a_commit();
-  return locators_.info(tree_);
+  return locators_.info(fit_.lacks_tree() ? tree() : tree_);
 }
 
 void CommittedMesh::note(const query::DeviceCounts& counts,

@@ -9,7 +9,7 @@
 namespace insitu::commit {
 
 /// Fits of a mesh's tree: those that commits said were due, and those that were done, most of them
-/// later, when somebody asked for the tree. rebuilds: done after a refit.
+/// later, when somebody asked for the tree. rebuilds: done after a refit, or put off themselves.
 struct FitsDone {
   std::int64_t put_off = 0, refits = 0, rebuilds = 0;
   double seconds = 0.0;
@@ -23,8 +23,9 @@ struct FitsDone {
 };
 
 /// The fit of a committed mesh's tree to vertices that moved: a refit, and a rebuild where the
-/// policy then finds one due. A commit puts it off, and it is done once, when the tree is first
-/// asked; a step in which nobody asks has no fit.
+/// policy then finds one due; or, of a mesh that is spread over processes, its build. A commit puts
+/// it off, and it is done once, when the tree is first asked; a step in which nobody asks has no
+/// fit.
 class TreeFit final : public query::PutOff {
 public:
   /// What it works on, of one CommittedMesh.
@@ -33,12 +34,14 @@ public:
 
   /// The vertices moved. threads: the most that the fit may take.
   void put_off(int threads);
+  /// The cells are others.
+  void put_off_build(int threads);
   /// The tree is built anew, or goes.
   void forget();
   /// What the last fit did.
   insitu_action action() const { return action_; }
-  /// A build failed for want of memory, and there is no tree until another one is made.
-  bool is_broken() const { return is_broken_; }
+  /// A build was put off, or failed for want of memory: there is no tree until one is made.
+  bool lacks_tree() const { return lacks_tree_; }
   const FitsDone& done() const { return done_; }
 
 private:
@@ -50,7 +53,7 @@ private:
   TreePolicy& policy_;
   const cells::OddCells& odd_;
   int threads_ = 1;
-  mutable bool is_broken_ = false;
+  mutable bool lacks_tree_ = false;
   mutable insitu_action action_ = INSITU_KEEP;
   mutable FitsDone done_;
 };

@@ -7,9 +7,7 @@
 
 namespace insitu::query {
 
-namespace {
-
-/// A box of the tree's frame in the mesh's, with room for the rounding of the sums.
+/// With room for the rounding of the sums.
 mesh::Box in_mesh(const accel::Box& box, const math::Vec3d& origin) {
   mesh::Box out;
   for (int a = 0; a < 3; ++a) {
@@ -20,7 +18,14 @@ mesh::Box in_mesh(const accel::Box& box, const math::Vec3d& origin) {
   return out;
 }
 
-} // namespace
+accel::Box in_tree(const mesh::Box& box, const math::Vec3d& origin) {
+  accel::Box out;
+  for (int a = 0; a < 3; ++a) {
+    out.lower[a] = accel::round_down(box.low[a] - origin[a]);
+    out.upper[a] = accel::round_up(box.high[a] - origin[a]);
+  }
+  return out;
+}
 
 std::vector<mesh::Box> boxes_of(const accel::Tree& tree) {
   std::vector<mesh::Box> boxes;

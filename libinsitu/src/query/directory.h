@@ -32,6 +32,9 @@ private:
   std::vector<Of> of_; ///< [rank]
 };
 
+/// A box of a tree's frame in the mesh's coordinates, and back, both outwards.
+mesh::Box in_mesh(const accel::Box& box, const math::Vec3d& origin);
+accel::Box in_tree(const mesh::Box& box, const math::Vec3d& origin);
 /// The boxes of a tree's two uppermost levels, in the mesh's coordinates.
 std::vector<mesh::Box> boxes_of(const accel::Tree& tree);
 

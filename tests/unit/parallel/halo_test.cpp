@@ -251,6 +251,39 @@ TEST(Halo, IsNotCounted) {
   });
 }
 
+/// A commit of other cells leaves it to that, or to who asks before.
+TEST(Halo, TheTreeIsBuiltOnceWithIt) {
+  const test::TestMesh whole = mesh_of(4);
+  const std::vector<Vec3d> points = hard_points(whole);
+  for (const fixtures::Partition& partition : fixtures::partitions(whole, 3))
+    test::run_processes(3, [&](parallel::World& world) {
+      Process p(whole, partition, world);
+      const std::vector<Answer> truth = answers_of(p, points, true);
+      const auto commit = [&] {
+        p.mesh.mesh().set_changed(INSITU_CHANGED_ALL);
+        return p.mesh.commit(p.threads, p.log, p.memory, false);
+      };
+      EXPECT_EQ(commit().action, INSITU_REBUILD);
+      EXPECT_TRUE(p.mesh.standing_tree().empty()) << partition.name;
+      p.mesh.update_halo(world, p.threads, p.log);
+      EXPECT_EQ(p.mesh.fits_done().rebuilds, 0) << partition.name;
+      commit();
+      p.mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY); // with the tree still to be built
+      p.mesh.commit(p.threads, p.log, p.memory, false);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_TRUE(p.mesh.own_sampler().locate(points[i]) || truth[i].cell < 0)
+            << partition.name << ", point " << i;
+      EXPECT_EQ(p.mesh.fits_done().rebuilds, 1) << partition.name;
+      EXPECT_EQ(p.mesh.locator_info().primitives, p.mesh.standing_tree().cell_count());
+      p.mesh.update_halo(world, p.threads, p.log);
+      const std::vector<Answer> again = answers_of(p, points, true);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(again[i].cell, truth[i].cell) << partition.name << ", point " << i;
+        EXPECT_EQ(again[i].parametric, truth[i].parametric) << partition.name << ", point " << i;
+      }
+    });
+}
+
 /// Each process asks some of the points; with a halo and without.
 TEST(Everywhere, AnswersAsOneProcessDoes) {
   const std::vector<std::string> fields{"vertex", "cell"};

@@ -12,7 +12,9 @@ template <class Part>
 struct PartOfMesh {
   template <class... Arguments>
   explicit PartOfMesh(parallel::World& world_, Arguments&&... arguments)
-      : world(world_), part(std::forward<Arguments>(arguments)..., world.rank()) {}
+      : world(world_), part(std::forward<Arguments>(arguments)..., world.rank()) {
+    mesh.mesh().set_is_part(world.size() > 1);
+  }
 
   parallel::World& world;
   core::Memory memory;

@@ -143,6 +143,8 @@ private:
   CellBlock block_{}; ///< cells of shape_
 };
 
+} // namespace
+
 void join(insitu_validation& to, const insitu_validation& from) {
   to.cells += from.cells;
   to.index_errors += from.index_errors;
@@ -155,14 +157,12 @@ void join(insitu_validation& to, const insitu_validation& from) {
   to.ghost_cells += from.ghost_cells;
 }
 
-} // namespace
-
 Validation validate(const std::string& mesh_name, const MeshView& mesh,
-                    const core::Threads& threads) {
+                    const core::Threads& threads, std::int32_t first) {
   Validation out;
   out.counts = insitu_validation_default();
   std::size_t lines = 0;
-  for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
+  for (std::int32_t p = first; p < mesh.piece_count; ++p) {
     const PieceView& piece = mesh.pieces[p];
     const std::string name = "mesh '" + mesh_name + "', piece " + std::to_string(p);
     std::vector<Findings> chunks(std::size_t((piece.cell_count + grain - 1) / grain));

@@ -16,8 +16,11 @@ struct Validation {
 
 /// Looks at every cell and every vertex that a cell uses, for folds anywhere in it. Reads no
 /// coordinate through an id that is out of range. The same report for any thread count. Faces are
-/// not matched (cells/checks/conformity.h).
+/// not matched (cells/checks/conformity.h). first: of the pieces that are looked at.
 Validation validate(const std::string& mesh_name, const mesh::MeshView& mesh,
-                    const core::Threads& threads);
+                    const core::Threads& threads, std::int32_t first = 0);
+
+/// Adds what was counted of other pieces.
+void join(insitu_validation& to, const insitu_validation& from);
 
 } // namespace insitu::cells

@@ -144,14 +144,9 @@ void Halo::borrow(int rank, ByteReader& from) {
   }
 }
 
-void Halo::find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world) {
-  std::vector<mesh::Box> boxes;
-  world.agree_after([&] {
-    (void)mesh.tree(); // which is fitted now, or built
-    boxes = query::boxes_of(mesh.standing_tree());
-  });
-  directory_.gather(boxes, world);
-  const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, sides, world);
+void Halo::find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world,
+                const core::Threads& threads) {
+  const std::vector<std::vector<std::int64_t>> cells = touching_cells(mesh, sides, world, threads);
   std::vector<Borrowed> before;
   swap(
       world,

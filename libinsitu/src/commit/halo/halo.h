@@ -43,8 +43,10 @@ public:
 
   /// Collective, of a committed mesh that is not adaptive: finds the cells and copies their
   /// vertices. The mesh's views are of the halo before until its next update().
-  /// sides: the axes along which the mesh's box is periodic, alike on all processes.
-  void find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
+  /// sides: the axes along which the mesh's box is periodic, alike on all processes. The mesh's
+  /// tree is not asked.
+  void find(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world,
+            const core::Threads& threads);
   /// Collective: the same of an adaptive mesh, as of an update() without a halo: leaves, with the
   /// ghost cells that the solver has beyond them, in as many layers as its reconstruction takes
   /// (leaf_halo.cpp). On a process without cells the mesh may be any.
@@ -125,8 +127,10 @@ private:
     mesh::PieceView view();
   };
 
-  std::vector<std::vector<std::int64_t>>
-  touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world);
+  std::vector<std::vector<std::int64_t>> touching_cells(const CommittedMesh& mesh,
+                                                        const PeriodicAxes& sides,
+                                                        parallel::World& world,
+                                                        const core::Threads& threads);
   void lend(const CommittedMesh& mesh, const std::vector<std::vector<std::int64_t>>& cells,
             std::vector<parallel::ByteWriter>& to);
   void borrow(int rank, parallel::ByteReader& from);

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "commit/committed_mesh.h"
 #include "commit/halo/cells_near.h"
 #include "commit/halo/halo.h"
+#include "commit/halo/own_cells.h"
 #include "query/batch/candidates.h"
 #include "query/point_query.h"
 #include "query/walk/longitudes.h"
@@ -44,7 +46,7 @@ bool visit_cells(const mesh::MeshView& view, const accel::Tree& tree, const mesh
                  Visit&& visit) {
   if (tree.empty())
     return false;
-  const accel::Box local = outwards({box.low - tree.origin(), box.high - tree.origin()});
+  const accel::Box local = query::in_tree(box, tree.origin());
   const query::PointQuery query{view, tree, {}};
   for (const query::Candidate& c : query.candidates_in(local.lower, local.upper)) {
     const std::int64_t flat = tree.cells()[c.slot];
@@ -134,17 +136,42 @@ std::vector<Shift> shifts_over(const PeriodicAxes& sides, const mesh::MeshView& 
   return shifts;
 }
 
-/// The cells of this process that, moved so, are near another one's, ascending.
-std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
-                               std::span<const mesh::Box> boxes, const Shift& shift) {
+/// Adds those of the boxes that are something when they are moved so.
+void add_moved(std::span<const mesh::Box> boxes, const Shift& shift, std::vector<mesh::Box>& to) {
+  for (const mesh::Box& of : boxes)
+    if (const mesh::Box box = shift(of); !is_nothing(box))
+      to.push_back(box);
+}
+
+/// Where cells are that, moved so, are near another process's.
+Shift back(const Shift& shift) {
   Shift back = shift;
   back.by = -shift.by;
   back.widening = 1e-6 * (shift.widening > 0.0); // a period is rounded
+  return back;
+}
+
+/// The cells of this process that, moved so, are near another one's, ascending.
+std::vector<std::int64_t> near(const mesh::MeshView& view, const accel::Tree& tree,
+                               std::span<const mesh::Box> boxes, const Shift& shift) {
   std::vector<mesh::Box> moved;
-  for (const mesh::Box& of : boxes)
-    if (const mesh::Box box = back(of); !is_nothing(box))
-      moved.push_back(box);
+  add_moved(boxes, back(shift), moved);
   return cells_near(view, tree, moved);
+}
+
+/// The tree of this process's cells that may touch others', as these tell their boxes.
+accel::Tree tree_near_others(const OwnCells& own, const query::Directory& directory, int rank,
+                             std::span<const Shift> shifts, const core::Threads& threads) {
+  std::vector<mesh::Box> boxes;
+  for (int r = 0; r < directory.size(); ++r)
+    for (const Shift& shift : shifts)
+      if (r != rank) {
+        add_moved(directory.boxes(r), back(shift), boxes);
+        add_moved(directory.boxes(r), shift, boxes);
+      }
+  for (mesh::Box& box : boxes)
+    box = widened(outwards(box));
+  return own.tree_of_those_in(boxes, threads);
 }
 
 /// Whether a cell of this process touches the box.
@@ -171,10 +198,19 @@ std::vector<std::int64_t> cells_near(const mesh::MeshView& view, const accel::Tr
 /// First each process tells the boxes of its cells that lie near another's, in each of their
 /// places; this one says by a bit each which it touches. Returns, of each process, the cells that
 /// it touches here.
-std::vector<std::vector<std::int64_t>>
-Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, parallel::World& world) {
+std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh& mesh,
+                                                            const PeriodicAxes& sides,
+                                                            parallel::World& world,
+                                                            const core::Threads& threads) {
   const mesh::MeshView& view = mesh.mesh().view();
-  const accel::Tree& tree = mesh.standing_tree();
+  std::optional<OwnCells> own;
+  std::vector<mesh::Box> boxes;
+  world.agree_after([&] {
+    own.emplace(view, *memory_, threads);
+    boxes = own->boxes();
+  });
+  directory_.gather(boxes, world);
+  std::optional<accel::Tree> tree;
   const StandIn* const stand_in = mesh.stand_in();
   const auto processes = std::size_t(world.size());
   std::vector<std::vector<std::int64_t>> cells(processes);
@@ -184,12 +220,14 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
+        tree.emplace(tree_near_others(*own, directory_, world.rank(), shifts, threads));
+        own.reset();
         for (int r = 0; r < world.size(); ++r)
           for (const Shift& shift : shifts) {
             if (r == world.rank() ||
                 (&shift == shifts.data() && !directory_.may_touch(world.rank(), r)))
               continue;
-            for (const std::int64_t flat : near(view, tree, directory_.boxes(r), shift)) {
+            for (const std::int64_t flat : near(view, *tree, directory_.boxes(r), shift)) {
               const mesh::Box box = shift(box_of_cell(view, flat));
               if (is_nothing(box))
                 continue;
@@ -201,7 +239,7 @@ Halo::touching_cells(const CommittedMesh& mesh, const PeriodicAxes& sides, paral
       [&](int rank, ByteReader& from) {
         std::vector<std::uint8_t>& bits = wanted[std::size_t(rank)];
         while (!from.at_end())
-          bits.push_back(touches(view, tree, widened(from.value<accel::Box>())));
+          bits.push_back(touches(view, *tree, widened(from.value<accel::Box>())));
       });
   swap(
       world,

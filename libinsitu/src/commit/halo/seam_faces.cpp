@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <unordered_map>
 
@@ -19,12 +20,7 @@ struct Face {
   std::array<Vec3d, 4> x{}; ///< the vertices, in the order of their coordinates
   std::int64_t cell = 0;    ///< flat
 
-  bool operator<(const Face& b) const {
-    return std::tie(count, x[0].x, x[0].y, x[0].z, x[1].x, x[1].y, x[1].z, x[2].x, x[2].y, x[2].z,
-                    x[3].x, x[3].y, x[3].z) <
-           std::tie(b.count, b.x[0].x, b.x[0].y, b.x[0].z, b.x[1].x, b.x[1].y, b.x[1].z, b.x[2].x,
-                    b.x[2].y, b.x[2].z, b.x[3].x, b.x[3].y, b.x[3].z);
-  }
+  bool is(const Face& b) const { return count == b.count && x == b.x; }
   Vec3d middle() const {
     Vec3d sum;
     for (int v = 0; v < count; ++v)
@@ -62,19 +58,36 @@ void add_faces(const mesh::MeshView& view, std::int64_t flat, std::vector<Face>&
   }
 }
 
+std::uint64_t hash_of(const Face& face) {
+  std::uint64_t hash = std::uint64_t(face.count);
+  for (const Vec3d& x : face.x)
+    for (int a = 0; a < 3; ++a) // both zeros are one
+      hash = std::rotl((hash ^ std::bit_cast<std::uint64_t>(x[a] + 0.0)) * 0x9e3779b97f4a7c15u, 29);
+  return hash;
+}
+
 /// Leaves those that occur once: the others match to the bit.
 void leave_unmatched(std::vector<Face>& faces) {
-  std::sort(faces.begin(), faces.end());
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t end = i + 1;
-    while (end < faces.size() && !(faces[i] < faces[end]))
-      ++end;
-    if (end == i + 1)
-      faces[kept++] = faces[i];
-    i = end;
+  struct Key {
+    std::uint64_t hash;
+    std::size_t face;
+  };
+  std::vector<Key> keys(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    keys[i] = {hash_of(faces[i]), i};
+  std::ranges::sort(keys, {}, &Key::hash);
+  std::vector<Face> left;
+  for (auto begin = keys.begin(); begin != keys.end();) {
+    const auto end =
+        std::find_if(begin, keys.end(), [&](const Key& k) { return k.hash != begin->hash; });
+    for (auto k = begin; k != end; ++k)
+      if (std::none_of(begin, end, [&](const Key& other) {
+            return other.face != k->face && faces[k->face].is(faces[other.face]);
+          }))
+        left.push_back(faces[k->face]);
+    begin = end;
   }
-  faces.resize(kept);
+  faces = std::move(left);
 }
 
 /// Whether every vertex of one face has one of the other nearby.
@@ -86,19 +99,31 @@ bool are_near(const Face& a, const Face& b) {
          });
 }
 
-/// Faces by where their middles lie, in cubes as wide as the largest distance that counts.
+/// Faces by where their middles lie, in cubes in most of which a face has all that are near.
 class FacesByPlace {
 public:
-  FacesByPlace(std::span<const Face> faces, double width) : faces_(faces), width_(width) {
+  /// reach: the largest distance that counts.
+  FacesByPlace(std::span<const Face> faces, double reach)
+      : faces_(faces), reach_(2.0 * reach), width_(64.0 * reach) {
+    by_cube_.reserve(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f)
-      by_cube_.emplace(key(cube(faces[f].middle(), {0, 0, 0})), f);
+      by_cube_.emplace(key(cube(faces[f].middle())), f);
   }
   /// The first face near this one; or null.
   const Face* near(const Face& face) const {
     const Face* first = nullptr;
-    for (int neighbour = 0; neighbour < 27; ++neighbour) {
-      const std::array<int, 3> step{neighbour % 3 - 1, neighbour / 3 % 3 - 1, neighbour / 9 - 1};
-      const auto [from, to] = by_cube_.equal_range(key(cube(face.middle(), step)));
+    const Vec3d middle = face.middle(), by{reach_, reach_, reach_};
+    const Cube low = cube(middle - by), high = cube(middle + by);
+    for (int corner = 0; corner < 8; ++corner) {
+      Cube at = low;
+      bool is_within = true;
+      for (std::size_t a = 0; a < 3; ++a) {
+        at[a] += corner >> a & 1;
+        is_within &= at[a] <= high[a];
+      }
+      if (!is_within)
+        continue;
+      const auto [from, to] = by_cube_.equal_range(key(at));
       for (auto i = from; i != to; ++i)
         if (are_near(face, faces_[i->second]) && (!first || faces_[i->second].cell < first->cell))
           first = &faces_[i->second];
@@ -107,13 +132,11 @@ public:
   }
 
 private:
-  std::array<double, 3> cube(const Vec3d& x, const std::array<int, 3>& step) const {
-    std::array<double, 3> c;
-    for (int a = 0; a < 3; ++a)
-      c[std::size_t(a)] = std::floor(x[a] / width_) + step[std::size_t(a)];
-    return c;
+  using Cube = std::array<double, 3>;
+  Cube cube(const Vec3d& x) const {
+    return {std::floor(x.x / width_), std::floor(x.y / width_), std::floor(x.z / width_)};
   }
-  static std::size_t key(const std::array<double, 3>& cube) {
+  static std::size_t key(const Cube& cube) {
     std::size_t hash = 0;
     for (const double c : cube)
       hash = hash * 0x9e3779b97f4a7c15u + std::hash<double>()(c + 0.0);
@@ -121,7 +144,7 @@ private:
   }
 
   std::span<const Face> faces_;
-  double width_;
+  double reach_, width_;
   std::unordered_multimap<std::size_t, std::size_t> by_cube_;
 };
 

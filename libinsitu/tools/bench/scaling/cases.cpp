@@ -122,6 +122,7 @@ private:
     const insitu_array velocity =
         insitu_array_of(part_.velocity.data(), INSITU_FLOAT64, vertices, 3);
     mesh::Mesh& to = mesh_->mesh();
+    to.set_is_part(!alone());
     to.set_points(0, &points, 1);
     to.set_cells(0, &cells);
     to.set_global_ids(0, INSITU_CELL, &ids);
