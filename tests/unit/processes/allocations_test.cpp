@@ -121,7 +121,7 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrame) {
       "values: [2], opacity: 0.5, normals: smooth}, {field: p, values: [3], normals: central}], "
       "boundary: {opacity: 0.1, color: {field: "
       "c}}}\n  - {name: held, size: [8, 8], volume: {field: p, tolerance: 0.1}}\n",
-      83, [](Attempt& attempt) {
+      167, [](Attempt& attempt) {
         EXPECT_EQ(attempt.process.execute(0), "");
         attempt.process.give_fields(1);
         attempt([&] { return execute(attempt.process, 1); });
