@@ -90,6 +90,13 @@ public:
     array(std::span<T>(items));
     return items;
   }
+  /// Leaves out so many items.
+  template <class T>
+  void skip(std::size_t count) {
+    if (count > rest_.size() / sizeof(T))
+      refuse(count * sizeof(T));
+    rest_ = rest_.subspan(count * sizeof(T));
+  }
   bool at_end() const { return rest_.empty(); }
   std::size_t left() const { return rest_.size(); }
 

@@ -200,12 +200,17 @@ void World::require_same(const std::vector<Named>& mine) {
 
 std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
   const auto processes = std::size_t(size());
-  std::vector<std::int64_t> to(processes), from(processes);
+  std::vector<std::int64_t> to, from;
+  std::vector<std::vector<std::int64_t>> lengths_out, lengths_in;
   std::vector<Parcel> received;
   std::vector<Outgoing> out;
   std::vector<Incoming> in;
   // How many parcels, how long they are, then the parcels: each step's memory before its data.
   agree_after([&] {
+    to.resize(processes);
+    from.resize(processes);
+    lengths_out.resize(processes);
+    lengths_in.resize(processes);
     for (const Parcel& p : parcels)
       if (p.rank >= 0 && p.rank < size())
         ++to[std::size_t(p.rank)];
@@ -213,7 +218,6 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
         throw core::Error(INSITU_ERROR_INTERNAL, "a parcel for process " + std::to_string(p.rank));
   });
   swap(to, from);
-  std::vector<std::vector<std::int64_t>> lengths_out(processes), lengths_in(processes);
   agree_after([&] {
     for (const Parcel& p : parcels)
       lengths_out[std::size_t(p.rank)].push_back(std::int64_t(p.bytes.size()));

@@ -197,7 +197,7 @@ inline Compared compare_light(const query::Sampler& sampler,
                               const std::vector<render::Clip>& clips = {}) {
   const IsosurfaceTracer tracer(sampler, settings, structures);
   const render::RayGenerator cameras(camera, size, size);
-  constexpr int directions = 5; // of each hit; packets are of several hits
+  constexpr int directions = 3; // of each hit; packets are of several hits
   std::vector<SurfaceHit> hits, right;
   std::vector<render::SecondaryStart> starts;
   std::vector<render::LightRay> rays;

@@ -58,7 +58,7 @@ void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler
     const bool is_of_cells = settings.volume->field.field.association == INSITU_CELL;
     if (part.world.size() == 1 || !(settings.volume->preintegrated || is_of_cells))
       return;
-    elsewhere.emplace(sampler.facts().bounds);
+    elsewhere.emplace(sampler.facts().bounds, part.world.size());
     elsewhere->note(sampler.tree(), volume.majorants, ray_step(sampler, *settings.volume));
   });
   if (!elsewhere)

@@ -220,8 +220,8 @@ std::vector<std::byte> SharedPaths::answer(const TileParcel& asked, const WallRa
 SharedPaths::WallRays SharedPaths::find_walls(const TileParcel& asked) const {
   ByteReader reader = asked.reader();
   const auto head = reader.value<Head>();
-  reader.array<Vec3d>(head.values);
-  reader.array<SentRay>(head.lights);
+  reader.skip<Vec3d>(head.values);
+  reader.skip<SentRay>(head.lights);
   WallRays rays(head.walls);
   for (RayState& ray : rays) {
     const auto sent = reader.value<SentRay>();

@@ -9,23 +9,18 @@ namespace insitu::render {
 
 using math::Vec3d;
 
-namespace {
-
-constexpr int bits_a_part = 16, parts_a_word = 4; // of up to 65535 processes
-
-std::size_t word_of(int i, int j, int k) {
-  return std::size_t((k * ShownElsewhere::side + j) * ShownElsewhere::side + i) / parts_a_word;
+ShownElsewhere::ShownElsewhere(const mesh::Box& whole, int processes)
+    : whole_(whole), size_(whole.size() / double(side)), parts_a_word_(processes < 65536 ? 4 : 2),
+      shown_(std::size_t(side) * side * side / std::size_t(parts_a_word_)), mine_(shown_.size()) {
+  static_assert(side % 4 == 0);
 }
-int shift_of(int i) {
-  return bits_a_part * (i % parts_a_word);
+
+std::size_t ShownElsewhere::word_of(int i, int j, int k) const {
+  return std::size_t(((k * side + j) * side + i) / parts_a_word_);
 }
-static_assert(ShownElsewhere::side % parts_a_word == 0);
-
-} // namespace
-
-ShownElsewhere::ShownElsewhere(const mesh::Box& whole)
-    : whole_(whole), size_(whole.size() / double(side)),
-      shown_(std::size_t(side) * side * side / parts_a_word), mine_(shown_.size()) {}
+int ShownElsewhere::shift_of(int i) const {
+  return 64 / parts_a_word_ * (i % parts_a_word_);
+}
 
 ShownElsewhere::Range ShownElsewhere::parts_of(const Vec3d& low, const Vec3d& high) const {
   Range range;
@@ -69,15 +64,16 @@ void ShownElsewhere::exchange(parallel::World& world) {
   shown_ = mine_;
   world.reduce(shown_, parallel::Reduction::sum);
   for (std::size_t w = 0; w < shown_.size(); ++w)
-    shown_[w] -= mine_[w]; // no part borrows: it counts this process
+    shown_[w] = std::int64_t(std::uint64_t(shown_[w]) - std::uint64_t(mine_[w])); // no part borrows
 }
 
 bool ShownElsewhere::is_shown(const Vec3d& low, const Vec3d& high) const {
   const Range range = parts_of(low, high);
+  const std::uint64_t one_part = (std::uint64_t(1) << 64 / parts_a_word_) - 1;
   for (int k = range.first[2]; k <= range.last[2]; ++k)
     for (int j = range.first[1]; j <= range.last[1]; ++j)
       for (int i = range.first[0]; i <= range.last[0]; ++i)
-        if (std::uint64_t(shown_[word_of(i, j, k)]) >> shift_of(i) & 0xffff)
+        if (std::uint64_t(shown_[word_of(i, j, k)]) >> shift_of(i) & one_part)
           return true;
   return false;
 }

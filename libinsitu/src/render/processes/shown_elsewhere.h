@@ -18,10 +18,8 @@ namespace insitu::render {
 class ShownElsewhere {
 public:
   static constexpr int side = 32; ///< parts along each axis
-  /// Of a reduction, each time.
-  static constexpr std::int64_t bytes = 2 * side * side * side;
-
-  explicit ShownElsewhere(const mesh::Box& whole);
+  /// processes: in the World that it is for.
+  ShownElsewhere(const mesh::Box& whole, int processes);
 
   /// Notes what shows in this process's cells, and a sample's distance about it. tree: where these
   /// are. majorants: null: something may show everywhere.
@@ -37,10 +35,14 @@ private:
   };
   Range parts_of(const math::Vec3d& low, const math::Vec3d& high) const;
   bool is_shown(const math::Vec3d& low, const math::Vec3d& high) const;
+  /// The word of a part, and the number of its lowest bit there.
+  std::size_t word_of(int i, int j, int k) const;
+  int shift_of(int i) const;
 
   mesh::Box whole_;
   math::Vec3d size_;                ///< of a part
-  std::vector<std::int64_t> shown_; ///< four parts each: of how many processes
+  int parts_a_word_;                ///< so that each counts all processes
+  std::vector<std::int64_t> shown_; ///< so many parts each: of how many processes
   std::vector<std::int64_t> mine_;
 };
 
