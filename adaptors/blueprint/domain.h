@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "node.h"
+
+namespace insitu::blueprint {
+
+struct Field {
+  std::string name;
+  insitu_association on = INSITU_VERTEX;
+  std::vector<insitu_array> arrays;
+};
+
+/// A domain of a Blueprint mesh as a piece of a mesh: views of the solver's arrays, checked as far
+/// as the tree goes; the library checks the rest.
+struct Domain {
+  enum class Kind { none, block, cells, patch };
+  std::string path;
+  Kind kind = Kind::none;
+  std::array<std::int64_t, 3> extent{}; ///< of blocks and patches, in vertices
+  std::array<double, 3> origin{}, spacing{};
+  insitu_block block = insitu_block_default();
+  insitu_cells cells = insitu_cells_default();
+  std::int64_t vertex_count = 0, cell_count = 0;
+  std::vector<insitu_array> points; ///< empty: the block's own
+  std::vector<Field> fields;
+  std::optional<insitu_array> ghosts, hidden_points;
+  insitu_ghost_convention convention = INSITU_GHOSTS_VTK;
+  std::optional<insitu_array> global_ids[2]; ///< by insitu_association
+  std::int64_t level = -1;                   ///< of a patch
+  std::uint64_t topology_print = 0, geometry_print = 0;
+  std::vector<std::string> left_out; ///< what of the tree is not given, and why
+  Copies copies;
+};
+
+/// Reads a domain. topology: its name; empty: the first one of cells of volume. channel: where
+/// metadata of fields may stand too, or null. Throws Error, by the path.
+Domain read_domain(const Node& mesh, const std::string& topology, const Node& channel);
+
+/// Parts of read_domain().
+void read_cells(const Node& topology, Domain& domain);
+void read_fields(const Node& mesh, const Node& topology, const Node& channel, Domain& domain);
+
+/// The number of dimensions of cells of a shape of Blueprint's; -1: unknown.
+int dimensions_of(const std::string& shape);
+
+/// The numbers at dims/offsets and dims/strides, or of a field; without them those of packed items.
+struct Window {
+  std::array<std::int64_t, 3> offset{}, stride{};
+  bool given = false;
+};
+/// items: of the array within which the window lies; refuses a window that reaches outside.
+Window read_window(const Node& dims, const std::array<std::int64_t, 3>& extent, std::int64_t items);
+
+} // namespace insitu::blueprint

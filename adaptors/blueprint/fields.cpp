@@ -1,0 +1,108 @@
+#include <algorithm>
+
+#include "domain.h"
+
+namespace insitu::blueprint {
+
+namespace {
+
+/// What ParaView's metadata say of a field (Ghosts, GlobalIds, ...), and what names tell.
+std::string role_of(const Node& mesh, const Node& channel, const std::string& name) {
+  const std::string path = "state/metadata/vtk_fields/" + name + "/attribute_type";
+  for (const Node& at : {mesh, channel})
+    if (const Node type = at.find(path); type && type.is_text())
+      return type.text();
+  return name == "vtkGhostType" ? "Ghosts" : name == "ascent_ghosts" ? "ascent" : "";
+}
+
+/// The items of a field's array that are the topology's.
+void set_items(const Node& field, const Node& values, bool on_cells, const Domain& d,
+               insitu_array& array) {
+  const std::int64_t items = on_cells ? d.cell_count : d.vertex_count;
+  std::array<std::int64_t, 3> extent = d.extent;
+  for (std::int64_t& n : extent)
+    n -= on_cells ? 1 : 0;
+  if (d.kind == Domain::Kind::block)
+    if (const Window window = read_window(field, extent, array.count); window.given) {
+      array = block_of(array, extent, window.offset, window.stride);
+      return;
+    }
+  if (array.count != items)
+    values.refuse(INSITU_ERROR_FIELD, "has " + std::to_string(array.count) +
+                                          " items, the topology has " + std::to_string(items) +
+                                          (on_cells ? " elements" : " vertices"));
+}
+
+/// Ghosts of cells; cells that are hidden already stay hidden.
+void set_ghosts(const Node& field, const Node& values, insitu_ghost_convention convention,
+                Domain& d) {
+  insitu_array given = bytes(values, d.copies);
+  set_items(field, values, true, d, given);
+  if (!d.ghosts) {
+    d.ghosts = given;
+    d.convention = convention;
+    return;
+  }
+  const Leaf leaf = values.leaf();
+  auto* hidden = static_cast<std::uint8_t*>(const_cast<void*>(d.ghosts->data)); // our own copy
+  for (std::int64_t c = 0; c < std::min(leaf.count, d.ghosts->count); ++c)
+    if (const std::int64_t bits = leaf.integer(c))
+      hidden[c] |= static_cast<std::uint8_t>(convention == INSITU_GHOSTS_VTK ? bits
+                                             : bits == 1                     ? 1
+                                                                             : 32);
+}
+
+/// Whether the field tells of cells or vertices what is no value.
+bool read_role(const std::string& role, const Node& field, const Node& values, bool on_cells,
+               Domain& d) {
+  if (role == "ascent" && on_cells) {
+    set_ghosts(field, values, INSITU_GHOSTS_ASCENT, d);
+  } else if (role == "Ghosts" && on_cells) {
+    set_ghosts(field, values, INSITU_GHOSTS_VTK, d);
+  } else if (role == "Ghosts") {
+    insitu_array given = bytes(values, d.copies);
+    set_items(field, values, false, d, given);
+    d.hidden_points = given;
+  } else if (role == "GlobalIds") {
+    insitu_array given = ids(values, d.copies);
+    set_items(field, values, on_cells, d, given);
+    d.global_ids[on_cells ? INSITU_CELL : INSITU_VERTEX] = given;
+  } else {
+    return role == "ascent";
+  }
+  return true;
+}
+
+} // namespace
+
+void read_fields(const Node& mesh, const Node& topology, const Node& channel, Domain& d) {
+  const Node all = mesh.find("fields");
+  for (std::int64_t i = 0; i < all.size(); ++i) {
+    const Node field = all.child(i);
+    const std::string name = field.name();
+    const Node values = field.find("values"), on = field.find("association");
+    const Node of = field.find("topology");
+    if (of && of.is_text() && of.text() != topology.name())
+      continue;
+    if (!values || !on) {
+      d.left_out.push_back(field.path() + (values ? ": no association" : ": no values") +
+                           (field.find("basis") ? ", but a basis of high order" : ""));
+      continue;
+    }
+    const bool on_cells = on.text() == "element";
+    if (!on_cells && on.text() != "vertex")
+      on.refuse(INSITU_ERROR_ARGUMENT, "is '" + on.text() + "'; vertex or element is needed");
+    if (read_role(role_of(mesh, channel, name), field, values, on_cells, d))
+      continue;
+    if (values.is_text()) {
+      d.left_out.push_back(field.path() + ": text");
+      continue;
+    }
+    Field out{name, on_cells ? INSITU_CELL : INSITU_VERTEX, components(values, d.copies)};
+    for (insitu_array& array : out.arrays)
+      set_items(field, values, on_cells, d, array);
+    d.fields.push_back(std::move(out));
+  }
+}
+
+} // namespace insitu::blueprint

@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "attachment.h"
+
+namespace insitu::blueprint {
+
+namespace {
+
+[[noreturn]] void unsupported(const Domain& d, const std::string& what) {
+  throw Error(INSITU_ERROR_UNSUPPORTED, d.path + " " + what);
+}
+
+std::string text(double x) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.17g", x);
+  return out;
+}
+
+/// How many of the finer spacing make the coarser one, along all axes; 0: no power of two from 2
+/// on, up to the roundings of whoever divided.
+std::int64_t ratio_of(const std::array<double, 3>& coarse, const std::array<double, 3>& fine) {
+  const double ratio = std::round(coarse[0] / fine[0]);
+  if (!(ratio >= 2 && ratio <= double(1 << 30)) || std::exp2(std::round(std::log2(ratio))) != ratio)
+    return 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!(std::fabs(coarse[a] - ratio * fine[a]) <= 1e-9 * std::fabs(coarse[a])))
+      return 0;
+  return static_cast<std::int64_t>(ratio);
+}
+
+struct Level {
+  std::array<double, 3> spacing;
+  const Domain* first;
+};
+
+/// The spacings of the levels that are here. Those of a level agree.
+std::map<std::int64_t, Level> levels_of(const std::vector<Domain>& domains) {
+  std::map<std::int64_t, Level> out;
+  for (const Domain& d : domains) {
+    if (d.kind != Domain::Kind::block || d.block.kind != INSITU_BLOCK_UNIFORM)
+      unsupported(d, "is no uniform block; the domains of an adaptive mesh have to be");
+    const auto [known, fresh] = out.try_emplace(d.level, Level{d.spacing, &d});
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double s = d.spacing[a], of_level = known->second.spacing[a];
+      if (!(s > 0) || std::fabs(s - of_level) > 1e-9 * of_level)
+        unsupported(d, "has the spacing " + text(s) + " along axis " + std::to_string(a) +
+                           ", level " + std::to_string(d.level) + " has " + text(of_level) +
+                           " in " + known->second.first->path);
+    }
+  }
+  return out;
+}
+
+/// The ratios of all levels from the coarsest on, and the coarsest spacing. Where no domain of a
+/// level is here, its ratio is a factor of that between its neighbours, and above the coarsest
+/// level here 2.
+void set_levels(const std::map<std::int64_t, Level>& levels, insitu_amr& lattice,
+                std::vector<std::int32_t>& ratios) {
+  const std::int64_t coarsest = levels.begin()->first;
+  std::array<double, 3> spacing = levels.begin()->second.spacing;
+  ratios.assign(static_cast<std::size_t>(coarsest), 2);
+  for (double& s : spacing)
+    s *= std::exp2(double(coarsest));
+  for (auto fine = std::next(levels.begin()); fine != levels.end(); ++fine) {
+    const auto coarse = std::prev(fine);
+    const std::int64_t gap = fine->first - coarse->first;
+    std::int64_t ratio = ratio_of(coarse->second.spacing, fine->second.spacing);
+    for (std::int64_t l = 0; l < gap; ++l) {
+      const std::int64_t left = gap - l - 1; // levels after this one
+      const std::int64_t here = ratio >> left >= 4 ? 4 : 2;
+      ratios.push_back(static_cast<std::int32_t>(here));
+      ratio = here > 0 && ratio % here == 0 ? ratio / here : 0;
+    }
+    if (ratio != 1)
+      unsupported(*fine->second.first,
+                  "of level " + std::to_string(fine->first) + " has the spacing " +
+                      text(fine->second.spacing[0]) + ", level " + std::to_string(coarse->first) +
+                      " has " + text(coarse->second.spacing[0]) +
+                      "; a half or a quarter a level, along all axes, is supported");
+  }
+  lattice.level_count = static_cast<std::int32_t>(ratios.size()) + 1;
+  std::copy(spacing.begin(), spacing.end(), lattice.spacing);
+  const Domain& first = *levels.begin()->second.first;
+  std::copy(first.origin.begin(), first.origin.end(), lattice.origin);
+}
+
+/// Takes layers of duplicates off a domain, of which a box must be left; its fields become windows.
+void trim(Domain& d) {
+  if (!d.ghosts)
+    return;
+  const auto* ghosts = static_cast<const std::uint8_t*>(d.ghosts->data);
+  if (d.ghosts->extent[0] != 0 || d.ghosts->stride[0] != 0)
+    unsupported(d, "has ghosts with strides; packed ones are supported");
+  std::array<std::int64_t, 3> cells{}, low{}, high{};
+  for (std::size_t a = 0; a < 3; ++a)
+    cells[a] = low[a] = d.extent[a] - 1;
+  const bool vtk = d.convention == INSITU_GHOSTS_VTK;
+  std::int64_t own = 0, at = 0;
+  for (std::int64_t k = 0; k < cells[2]; ++k)
+    for (std::int64_t j = 0; j < cells[1]; ++j)
+      for (std::int64_t i = 0; i < cells[0]; ++i, ++at) {
+        if (vtk ? (ghosts[at] & 1) != 0 : ghosts[at] == 1)
+          continue;
+        ++own; // coarse cells under finer ones are the library's to find
+        const std::array<std::int64_t, 3> ijk{i, j, k};
+        for (std::size_t a = 0; a < 3; ++a) {
+          low[a] = std::min(low[a], ijk[a]);
+          high[a] = std::max(high[a], ijk[a] + 1);
+        }
+      }
+  std::array<std::int64_t, 3> left{};
+  for (std::size_t a = 0; a < 3; ++a)
+    left[a] = own == 0 ? 0 : high[a] - low[a];
+  if (own != left[0] * left[1] * left[2])
+    unsupported(d,
+                "has " + std::to_string(own) + " cells that are no duplicates, which are no box");
+  for (Field& f : d.fields)
+    for (insitu_array& a : f.arrays) {
+      if (a.extent[0] != 0)
+        unsupported(d,
+                    "has ghosts, and field " + f.name + " has strides; one of both is supported");
+      a = block_of(a, left, low, {1, cells[0], cells[0] * cells[1]});
+    }
+  for (std::size_t a = 0; a < 3; ++a) {
+    d.block.first[a] += low[a];
+    d.extent[a] = d.block.vertices[a] = left[a] + 1;
+  }
+  d.cell_count = own;
+  d.ghosts.reset();
+}
+
+} // namespace
+
+void make_patches(std::vector<Domain>& domains, insitu_amr& lattice,
+                  std::vector<std::int32_t>& ratios, std::vector<std::string>& left_out) {
+  ratios.clear();
+  if (domains.empty())
+    return;
+  set_levels(levels_of(domains), lattice, ratios);
+  for (Domain& d : domains) {
+    double finer = 1;
+    for (std::int64_t l = 0; l < d.level; ++l)
+      finer *= ratios[static_cast<std::size_t>(l)];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double spacing = lattice.spacing[a] / finer;
+      const double at = (d.origin[a] - lattice.origin[a]) / spacing, place = std::round(at);
+      if (!(std::fabs(place) < double(1 << 30)) || std::fabs(at - place) > 1e-3)
+        unsupported(d, "begins at " + text(d.origin[a]) + " along axis " + std::to_string(a) +
+                           ", which is cell " + text(at) + " of level " + std::to_string(d.level) +
+                           " from " + text(lattice.origin[a]) + " on; a whole cell is needed");
+      d.block.first[a] = static_cast<std::int64_t>(place);
+    }
+    d.kind = Domain::Kind::patch;
+    for (const Field& f : d.fields)
+      if (f.on == INSITU_VERTEX)
+        left_out.push_back(d.path + ": field " + f.name +
+                           " is on vertices; fields of adaptive meshes are on cells");
+    d.fields.erase(std::remove_if(d.fields.begin(), d.fields.end(),
+                                  [](const Field& f) { return f.on == INSITU_VERTEX; }),
+                   d.fields.end());
+    trim(d);
+    d.vertex_count = 0;
+    d.hidden_points.reset();
+  }
+  domains.erase(std::remove_if(domains.begin(), domains.end(),
+                               [](const Domain& d) { return d.cell_count == 0; }),
+                domains.end());
+}
+
+} // namespace insitu::blueprint

@@ -1,0 +1,150 @@
+#include "run.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace insitu::catalyst {
+
+namespace {
+
+using blueprint::Node;
+
+bool ends_in(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool is_scene(const std::string& path) {
+  return ends_in(path, ".yaml") || ends_in(path, ".yml");
+}
+
+Options options_of(const Node& catalyst) {
+  Options o;
+  o.scene = scene_of(catalyst);
+  o.default_scene = o.scene.empty();
+  if (const Node communicator = catalyst.find("mpi_comm"))
+    o.fortran_communicator = static_cast<int>(communicator.integer());
+  if (const Node output = catalyst.find("insitu/output"))
+    o.output = output.text();
+  if (const Node threads = catalyst.find("insitu/threads"))
+    o.threads = static_cast<int>(threads.integer());
+  if (const Node strict = catalyst.find("insitu/strict"))
+    o.strict = strict.integer() != 0;
+  return o;
+}
+
+} // namespace
+
+void say(const char* prefix, const std::string& text) {
+  std::fprintf(stderr, "insitu: %scatalyst: %s\n", prefix, text.c_str());
+}
+
+std::string scene_of(const Node& catalyst) {
+  if (const char* scene = std::getenv("INSITU_SCENE"); scene && *scene)
+    return scene;
+  std::string found;
+  const Node scripts = catalyst.find("scripts");
+  for (std::int64_t i = 0; i < scripts.size(); ++i) {
+    Node script = scripts.child(i);
+    if (!script.is_leaf())
+      script = script.at("filename");
+    const std::string path = script.text();
+    if (!is_scene(path))
+      continue; // another implementation's
+    if (!found.empty())
+      script.refuse(INSITU_ERROR_UNSUPPORTED,
+                    "is a second scene, " + path + ", after " + found + "; a run has one");
+    found = path;
+  }
+  return found;
+}
+
+Run::Run(const Node& catalyst) {
+  const Options options = options_of(catalyst);
+  try {
+    session_.emplace(options);
+  } catch (const Error& e) {
+    throw Logged(e);
+  }
+}
+
+void Run::say_once(const std::string& text) {
+  if (said_.insert(text).second)
+    say("warning: ", text);
+}
+
+void Run::attach(const std::string& mesh, const Node& data, const Node& channel, bool adaptive) {
+  std::unique_ptr<Channel>& c = channels_[mesh];
+  const bool fresh = !c;
+  if (fresh) {
+    c = std::make_unique<Channel>(session_->mesh(mesh).handle());
+    c->adaptive = adaptive;
+  }
+  try {
+    c->attachment.update(data, {"", adaptive, channel});
+    c->present = true;
+    for (const std::string& line : c->attachment.left_out())
+      say_once("left out: " + line);
+  } catch (const Error& e) {
+    if (e.status() != INSITU_ERROR_UNSUPPORTED)
+      throw;
+    say_once(e.what()); // the mesh then has no cells
+  }
+}
+
+void Run::attach_channel(const Node& channel) {
+  const Node type_node = channel.find("type");
+  const std::string type = type_node ? type_node.text() : "mesh";
+  const Node data = channel.find("data");
+  if (type == "mesh" || type == "amrmesh") {
+    attach(channel.name(), data, channel, type == "amrmesh");
+  } else if (type == "multimesh") {
+    for (std::int64_t i = 0; i < data.size(); ++i)
+      attach(channel.name() + "/" + data.child(i).name(), data.child(i), channel, false);
+  } else {
+    say_once(type_node.path() + " is " + type + "; mesh, multimesh and amrmesh are supported");
+  }
+}
+
+void Run::take_clock(const Node& catalyst) {
+  const Node state = catalyst.find("state");
+  Node cycle = state.find("timestep");
+  if (!cycle)
+    cycle = state.find("cycle");
+  cycle_ = cycle ? cycle.integer() : cycle_ + 1;
+  if (const Node time = state.find("time"))
+    time_ = time.real();
+  else
+    time_ = static_cast<double>(cycle_);
+}
+
+bool Run::execute(const Node& catalyst) {
+  take_clock(catalyst);
+  for (auto& [name, channel] : channels_)
+    channel->present = false;
+  const Node channels = catalyst.find("channels");
+  for (std::int64_t i = 0; i < channels.size(); ++i)
+    attach_channel(channels.child(i));
+  for (auto& [name, channel] : channels_)
+    if (!channel->present) // its arrays may be gone
+      channel->attachment.update({}, {"", channel->adaptive, {}});
+  return session_->execute(cycle_, time_);
+}
+
+void Run::write_results(const blueprint::Conduit& conduit, void* node) const {
+  const Report r = session_->report();
+  const auto count = [&](const char* name, std::int64_t value) {
+    conduit.set_path_int64(node, (std::string("catalyst/insitu/") + name).c_str(), value);
+  };
+  count("cycle", cycle_);
+  count("executions", r.executions);
+  count("frames", r.frames);
+  count("probe_rows", r.probe_rows);
+  count("failures", r.failures);
+  count("points_located", r.points_located);
+  count("points_outside", r.points_outside);
+  count("particles_seeded", r.particles_seeded);
+  count("particles_alive", r.particles[INSITU_END_ALIVE]);
+  conduit.set_path_float64(node, "catalyst/insitu/time", time_);
+}
+
+} // namespace insitu::catalyst

@@ -1,0 +1,192 @@
+// A host that knows Catalyst's interface alone: the loader loads libcatalyst-insitu.so by name, and
+// a run gives the tables of one that is coupled by insitu.hpp.
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <sstream>
+
+#include "insitu/insitu.hpp"
+
+#include "nodes.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const scene = R"(insitu: 1
+probes:
+  - name: gauges
+    mesh: grid
+    every: 1
+    points: [[1.1, 2.1, 3.1], [2.5, 2.9, 3.3], [4.9, 3.4, 3.4], [9, 9, 9]]
+    fields: [f, number]
+tracers:
+  - name: drifters
+    mesh: grid
+    velocity: v
+    seeds: {line: {from: [1.2, 2.2, 3.1], to: [1.2, 3.3, 3.4], count: 5}}
+)";
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file).rdbuf();
+  return out.str();
+}
+
+/// A solver's step: the box, moved and with other values.
+struct Solver {
+  Box box;
+  std::vector<double> u, v, w;
+  Solver() {
+    for (std::size_t i = 0; i < box.x.size(); ++i) {
+      u.push_back(0.3 + 0.01 * box.y[i]);
+      v.push_back(0.02 * box.x[i]);
+      w.push_back(-0.001);
+    }
+  }
+  void step(int cycle) {
+    for (double& f : box.f)
+      f += 0.125 * cycle;
+    for (double& z : box.z)
+      z += 1.0 / 1024;
+  }
+};
+
+class Catalyst : public testing::Test {
+protected:
+  Catalyst() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    std::ofstream(folder_ / "scene.yaml") << scene;
+    setenv("CATALYST_IMPLEMENTATION_NAME", "insitu", 1);
+    setenv("CATALYST_IMPLEMENTATION_PATHS", INSITU_CATALYST_FOLDER, 1);
+    unsetenv("INSITU_SCENE");
+  }
+  ~Catalyst() override { catalyst_finalize(TestNode().set("catalyst/done", 1).get()); }
+
+  TestNode start() const {
+    TestNode node;
+    node.set("catalyst/scripts/pipeline/filename", "/some/where/pipeline.py"); // ParaView's
+    node.set("catalyst/scripts/scene/filename", (folder_ / "scene.yaml").string());
+    node.set("catalyst/insitu/output", (folder_ / "catalyst").string());
+    node.set("catalyst/insitu/strict", 1).set("catalyst/insitu/threads", 2);
+    return node;
+  }
+  static TestNode step_of(Solver& solver, int cycle) {
+    TestNode node;
+    Box& b = solver.box;
+    const std::string c = "catalyst/channels/grid/", d = c + "data/";
+    node.set("catalyst/state/timestep", cycle).set("catalyst/state/time", 0.25 * cycle);
+    node.set(c + "type", "mesh").set(d + "coordsets/coords/type", "explicit");
+    node.set(d + "coordsets/coords/values/x", b.x).set(d + "coordsets/coords/values/y", b.y);
+    node.set(d + "coordsets/coords/values/z", b.z);
+    node.set(d + "topologies/topo/type", "unstructured")
+        .set(d + "topologies/topo/coordset", "coords");
+    node.set(d + "topologies/topo/elements/shape", "hex");
+    node.set(d + "topologies/topo/elements/connectivity", b.hexahedra);
+    node.set(d + "fields/f/association", "vertex").set(d + "fields/f/values", b.f);
+    node.set(d + "fields/number/association", "element");
+    node.set(d + "fields/number/values", b.number);
+    node.set(d + "fields/v/association", "vertex").set(d + "fields/v/values/u", solver.u);
+    node.set(d + "fields/v/values/v", solver.v).set(d + "fields/v/values/w", solver.w);
+    return node;
+  }
+  /// The same run, coupled by the library's own interface.
+  void run_directly(int cycles) const {
+    Solver solver;
+    insitu::Options options;
+    options.scene = (folder_ / "scene.yaml").string();
+    options.output = (folder_ / "direct").string();
+    options.threads = 2;
+    insitu::Session session(options);
+    insitu::Mesh mesh = session.mesh("grid");
+    Box& b = solver.box;
+    mesh.points(b.x, b.y, b.z);
+    mesh.hexahedra(b.hexahedra.data(), b.own_cells());
+    mesh.vertex_field("f", b.f);
+    mesh.cell_field("number", b.number);
+    mesh.vertex_field("v", {solver.u, solver.v, solver.w});
+    for (int cycle = 0; cycle < cycles; ++cycle) {
+      mesh.changed(insitu::geometry | insitu::fields);
+      EXPECT_TRUE(session.execute(cycle, 0.25 * cycle));
+      solver.step(cycle);
+    }
+    session.close();
+  }
+
+  fs::path folder_ =
+      fs::temp_directory_path() / ("insitu_catalyst_" + std::to_string(getpid()) + INSITU_CONDUIT);
+};
+
+TEST_F(Catalyst, ARunGivesTheTablesOfADirectCoupling) {
+  Solver solver;
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  for (int cycle = 0; cycle < 5; ++cycle) {
+    ASSERT_EQ(catalyst_execute(step_of(solver, cycle).get()), catalyst_status_ok);
+    solver.step(cycle);
+  }
+  TestNode results, about;
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  const auto count = [&](const char* name) {
+    return conduit_node_as_int64(
+        conduit_node_fetch(results.get(), (std::string("catalyst/insitu/") + name).c_str()));
+  };
+  EXPECT_EQ(count("cycle"), 4);
+  EXPECT_EQ(count("executions"), 5);
+  EXPECT_EQ(count("failures"), 0);
+  EXPECT_EQ(count("particles_seeded"), 5);
+  ASSERT_EQ(catalyst_about(about.get()), catalyst_status_ok);
+  EXPECT_STREQ(
+      conduit_node_as_char8_str(conduit_node_fetch(about.get(), "catalyst/implementation")),
+      "insitu");
+  ASSERT_EQ(catalyst_finalize(start().get()), catalyst_status_ok);
+
+  run_directly(5);
+  int files = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "direct")) {
+    if (entry.path().extension() != ".csv")
+      continue; // the page tells seconds
+    const fs::path other = folder_ / "catalyst" / fs::relative(entry.path(), folder_ / "direct");
+    EXPECT_EQ(text_of(entry.path()), text_of(other)) << other;
+    ++files;
+  }
+  EXPECT_EQ(files, 2);
+}
+
+/// A channel that cannot be read, blocks as meshes, channels that go, and calls out of order.
+TEST_F(Catalyst, ChannelsOfOtherKinds) {
+  Solver solver;
+  EXPECT_NE(catalyst_execute(step_of(solver, 0).get()), catalyst_status_ok); // not initialised
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  EXPECT_NE(catalyst_initialize(start().get()), catalyst_status_ok);
+  TestNode node = step_of(solver, 0);
+  node.set("catalyst/channels/particles/type", "mesh");
+  node.set("catalyst/channels/particles/data/coordsets/coords/type", "explicit");
+  node.set("catalyst/channels/particles/data/topologies/p/type", "points");
+  node.set("catalyst/channels/particles/data/topologies/p/coordset", "coords");
+  node.set("catalyst/channels/other/type", "fides");
+  EXPECT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  // The probe then has a mesh without cells, whose rows are NaN.
+  TestNode empty;
+  empty.set("catalyst/state/timestep", 1).set("catalyst/state/time", 0.25);
+  catalyst_execute(empty.get());
+  node = step_of(solver, 2);
+  node.remove("catalyst/channels/grid/data/coordsets");
+  EXPECT_NE(catalyst_execute(node.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_execute(step_of(solver, 3).get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_finalize(node.get()), catalyst_status_ok);
+}
+
+TEST_F(Catalyst, ScenesOfTheEnvironmentComeFirst) {
+  std::ofstream(folder_ / "other.yaml") << "nonsense: 3\n";
+  setenv("INSITU_SCENE", (folder_ / "other.yaml").c_str(), 1);
+  EXPECT_EQ(int(catalyst_initialize(start().get())), 1000 + INSITU_ERROR_SCENE);
+  unsetenv("INSITU_SCENE");
+  TestNode two = start();
+  two.set("catalyst/scripts/more", (folder_ / "other.yaml").string());
+  EXPECT_EQ(int(catalyst_initialize(two.get())), 1000 + INSITU_ERROR_UNSUPPORTED);
+}
+
+} // namespace
