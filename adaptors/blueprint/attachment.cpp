@@ -57,10 +57,39 @@ bool has_same_cells(const Domain& a, const Domain& b) {
          blueprint::is_same_view(a.cells.connectivity, b.cells.connectivity) &&
          blueprint::is_same_view(a.cells.types, b.cells.types) &&
          blueprint::is_same_view(a.cells.offsets, b.cells.offsets) &&
+         blueprint::is_same_view(a.faces.vertices, b.faces.vertices) &&
+         blueprint::is_same_view(a.faces.offsets, b.faces.offsets) &&
+         blueprint::is_same_view(a.faces.cell_faces, b.faces.cell_faces) &&
+         blueprint::is_same_view(a.faces.cell_offsets, b.faces.cell_offsets) &&
          is_same_view(a.ghosts, b.ghosts) && a.convention == b.convention &&
          is_same_view(a.hidden_points, b.hidden_points) &&
          is_same_view(a.global_ids[0], b.global_ids[0]) &&
          is_same_view(a.global_ids[1], b.global_ids[1]);
+}
+
+/// Takes the copies of a step before where its cells were the same, so that they are given once.
+void keep_cells(Domain& now, const Domain& before) {
+  std::vector<std::pair<insitu_array*, const insitu_array*>> arrays;
+  for (const auto member :
+       {&insitu_cells::connectivity, &insitu_cells::types, &insitu_cells::offsets})
+    arrays.emplace_back(&(now.cells.*member), &(before.cells.*member));
+  for (const auto member : {&insitu_faces::vertices, &insitu_faces::offsets,
+                            &insitu_faces::cell_faces, &insitu_faces::cell_offsets})
+    arrays.emplace_back(&(now.faces.*member), &(before.faces.*member));
+  for (const auto member : {&Domain::ghosts, &Domain::hidden_points})
+    if (now.*member && before.*member)
+      arrays.emplace_back(&*(now.*member), &*(before.*member));
+  for (int on = 0; on < 2; ++on)
+    if (now.global_ids[on] && before.global_ids[on])
+      arrays.emplace_back(&*now.global_ids[on], &*before.global_ids[on]);
+  const auto are_alike = [](const auto& a) { return !a.first->converted == !a.second->converted; };
+  if (now.topology_print != before.topology_print ||
+      !std::all_of(arrays.begin(), arrays.end(), are_alike))
+    return;
+  for (const auto& [array, earlier] : arrays)
+    if (array->converted)
+      *array = *earlier;
+  now.cell_copies = before.cell_copies;
 }
 
 /// A piece without cells, which adds nothing.
@@ -129,6 +158,8 @@ void Attachment::update(const Node& data, const Options& options) {
       check(insitu_mesh_amr(mesh_, &lattice_));
   }
   const auto count = static_cast<std::int32_t>(domains_.size());
+  for (std::size_t p = 0; was_given && p < std::min(domains_.size(), earlier_.size()); ++p)
+    keep_cells(domains_[p], earlier_[p]);
   for (std::int32_t p = 0; p < count; ++p)
     give(p, domains_[static_cast<std::size_t>(p)],
          was_given && static_cast<std::size_t>(p) < earlier_.size()
@@ -177,8 +208,9 @@ void Attachment::give(std::int32_t piece, const Domain& now, const Domain* befor
       }
       check(insitu_mesh_patch(mesh_, piece, &patch));
     } else {
-      check(now.kind == Domain::Kind::block ? insitu_mesh_block(mesh_, piece, &now.block)
-                                            : insitu_mesh_cells(mesh_, piece, &now.cells));
+      check(now.kind == Domain::Kind::block   ? insitu_mesh_block(mesh_, piece, &now.block)
+            : now.kind == Domain::Kind::faces ? insitu_mesh_faces(mesh_, piece, &now.faces)
+                                              : insitu_mesh_cells(mesh_, piece, &now.cells));
       check(insitu_mesh_ghosts(mesh_, piece, now.ghosts ? &*now.ghosts : nullptr, now.convention));
       check(insitu_mesh_hidden_points(mesh_, piece,
                                       now.hidden_points ? &*now.hidden_points : nullptr));

@@ -28,7 +28,7 @@ const ShapeName* shape_of(const std::string& name) {
 
 [[noreturn]] void refuse_shape(const Node& node, const std::string& name) {
   node.refuse(INSITU_ERROR_UNSUPPORTED,
-              "is '" + name + "'; tet, hex, wedge, pyramid and mixed are supported");
+              "is '" + name + "'; tet, hex, wedge, pyramid, mixed and polyhedral are supported");
 }
 
 void read_one_shape(const Node& elements, Domain& d) {
@@ -39,7 +39,7 @@ void read_one_shape(const Node& elements, Domain& d) {
   const Node connectivity = elements.at("connectivity");
   d.cells.layout = INSITU_LAYOUT_UNIFORM;
   d.cells.shape = static_cast<insitu_shape>(shape->vtk);
-  insitu_array all = ids(connectivity, d.copies);
+  insitu_array all = ids(connectivity, *d.cell_copies);
   if (all.count % shape->ids != 0)
     connectivity.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(all.count) +
                                                    " ids, which are not whole cells of " +
@@ -85,7 +85,7 @@ void read_types(const Node& elements, Domain& d) {
   bool in_place = leaf.type == Conduit::uint8 && leaf.stride == 1;
   for (const auto& [number, shape] : map)
     in_place = in_place && number == shape->vtk && shape->dimensions == 3;
-  std::uint8_t* types = d.copies.make<std::uint8_t>(leaf.count);
+  std::uint8_t* types = d.cell_copies->make<std::uint8_t>(leaf.count);
   std::map<std::string, std::int64_t> flat;
   for (std::int64_t c = 0; c < leaf.count; ++c) {
     const auto found = map.find(leaf.integer(c));
@@ -107,7 +107,7 @@ void read_types(const Node& elements, Domain& d) {
     d.left_out.push_back(elements.path() + ": " + std::to_string(number) + " cells of shape " +
                          name + " have no volume");
   if (!flat.empty()) { // they keep their numbers, and are hidden
-    std::uint8_t* ghosts = d.copies.make<std::uint8_t>(leaf.count);
+    std::uint8_t* ghosts = d.cell_copies->make<std::uint8_t>(leaf.count);
     for (std::int64_t c = 0; c < leaf.count; ++c)
       ghosts[c] = types[c] < 10 ? 32 : 0;
     d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
@@ -115,30 +115,65 @@ void read_types(const Node& elements, Domain& d) {
   }
 }
 
+/// The sums of a relation's sizes, from 0 on: one more than there are sizes.
+insitu_array summed(const Node& relation, Copies& copies) {
+  const Node sizes = relation.at("sizes");
+  const Leaf leaf = sizes.leaf();
+  auto* offsets = copies.make<std::int64_t>(leaf.count + 1);
+  offsets[0] = 0;
+  for (std::int64_t i = 0; i < leaf.count; ++i) {
+    const std::int64_t size = leaf.integer(i);
+    if (size < 0 || size > INT32_MAX)
+      sizes.refuse(INSITU_ERROR_ARGUMENT,
+                   "of item " + std::to_string(i) + " is " + std::to_string(size));
+    offsets[i + 1] = offsets[i] + size;
+  }
+  insitu_array out = insitu_array_of(offsets, INSITU_INT64, leaf.count + 1, 1);
+  out.converted = "the tree has sizes without their sums";
+  return out;
+}
+
 void read_offsets(const Node& elements, Domain& d) {
   const std::int64_t cells = d.cells.types.count;
-  if (const Node offsets = elements.find("offsets")) {
-    d.cells.offsets = ids(offsets, d.copies);
-    if (d.cells.offsets.count != cells && d.cells.offsets.count != cells + 1)
-      offsets.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(d.cells.offsets.count) +
-                                                " numbers for " + std::to_string(cells) + " cells");
-    return;
-  }
-  const Node sizes = elements.at("sizes");
-  const Leaf leaf = sizes.leaf();
-  if (leaf.count != cells)
-    sizes.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(leaf.count) + " numbers for " +
-                                            std::to_string(cells) + " cells");
-  std::int64_t* offsets = d.copies.make<std::int64_t>(cells + 1);
-  offsets[0] = 0;
-  for (std::int64_t c = 0; c < cells; ++c) {
-    if (leaf.integer(c) < 0 || leaf.integer(c) > INT32_MAX)
-      sizes.refuse(INSITU_ERROR_ARGUMENT,
-                   "of cell " + std::to_string(c) + " is " + std::to_string(leaf.integer(c)));
-    offsets[c + 1] = offsets[c] + leaf.integer(c);
-  }
-  d.cells.offsets = insitu_array_of(offsets, INSITU_INT64, cells + 1, 1);
-  d.cells.offsets.converted = "the tree has sizes without offsets";
+  const Node given = elements.find("offsets");
+  d.cells.offsets = given ? ids(given, *d.cell_copies) : summed(elements, *d.cell_copies);
+  if (d.cells.offsets.count != cells + 1 && !(given && d.cells.offsets.count == cells))
+    elements.refuse(INSITU_ERROR_ARGUMENT, "has offsets or sizes of " +
+                                               std::to_string(d.cells.offsets.count - !given) +
+                                               " cells, and shapes of " + std::to_string(cells));
+}
+
+/// Where the items of a relation begin in its connectivity, and where the last one ends, which
+/// Blueprint leaves out. Offsets that are others than the sums of the sizes are refused.
+insitu_array read_sums(const Node& relation, Copies& copies) {
+  const insitu_array sums = summed(relation, copies);
+  const auto* sum = static_cast<const std::int64_t*>(sums.data);
+  const Node given = relation.find("offsets");
+  if (!given)
+    return sums;
+  const Leaf leaf = given.leaf();
+  for (std::int64_t i = 0; i < std::min(leaf.count, sums.count); ++i)
+    if (leaf.integer(i) != sum[i])
+      given.refuse(INSITU_ERROR_UNSUPPORTED, "of item " + std::to_string(i) + " is " +
+                                                 std::to_string(leaf.integer(i)) +
+                                                 "; packed items are supported, of which this " +
+                                                 "one begins at " + std::to_string(sum[i]));
+  return sums;
+}
+
+/// Cells as lists of faces (elements), and faces as lists of vertices (subelements).
+void read_polyhedra(const Node& topology, Domain& d) {
+  d.kind = Domain::Kind::faces;
+  const Node elements = topology.at("elements"), faces = topology.at("subelements");
+  if (faces.at("shape").text() != "polygonal")
+    refuse_shape(faces.at("shape"), faces.at("shape").text());
+  d.faces.form = INSITU_FACES_CELLS;
+  d.faces.vertices = ids(faces.at("connectivity"), *d.cell_copies);
+  d.faces.offsets = read_sums(faces, *d.cell_copies);
+  d.faces.face_count = d.faces.offsets.count - 1;
+  d.faces.cell_faces = ids(elements.at("connectivity"), *d.cell_copies);
+  d.faces.cell_offsets = read_sums(elements, *d.cell_copies);
+  d.faces.cell_count = d.cell_count = d.faces.cell_offsets.count - 1;
 }
 
 } // namespace
@@ -151,12 +186,14 @@ int dimensions_of(const std::string& shape) {
 void read_cells(const Node& topology, Domain& d) {
   d.kind = Domain::Kind::cells;
   const Node elements = topology.at("elements");
+  if (elements.at("shape").text() == "polyhedral")
+    return read_polyhedra(topology, d);
   if (elements.at("shape").text() != "mixed")
     return read_one_shape(elements, d);
   d.cells.layout = INSITU_LAYOUT_MIXED;
   read_types(elements, d);
   read_offsets(elements, d);
-  d.cells.connectivity = ids(elements.at("connectivity"), d.copies);
+  d.cells.connectivity = ids(elements.at("connectivity"), *d.cell_copies);
   d.cells.count = d.cell_count = d.cells.types.count;
 }
 

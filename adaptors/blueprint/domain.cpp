@@ -152,7 +152,9 @@ void read_structured(const Node& topology, const Node& coordset, Domain& d) {
 }
 
 void take_prints(Domain& d) {
-  for (const insitu_array* a : {&d.cells.connectivity, &d.cells.types, &d.cells.offsets})
+  for (const insitu_array* a :
+       {&d.cells.connectivity, &d.cells.types, &d.cells.offsets, &d.faces.vertices,
+        &d.faces.offsets, &d.faces.cell_faces, &d.faces.cell_offsets})
     d.topology_print = fingerprint(*a, d.topology_print);
   for (const auto* a : {&d.ghosts, &d.hidden_points, &d.global_ids[0], &d.global_ids[1]})
     if (*a)

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,13 +21,14 @@ struct Field {
 /// A domain of a Blueprint mesh as a piece of a mesh: views of the solver's arrays, checked as far
 /// as the tree goes; the library checks the rest.
 struct Domain {
-  enum class Kind { none, block, cells, patch };
+  enum class Kind { none, block, cells, faces, patch };
   std::string path;
   Kind kind = Kind::none;
   std::array<std::int64_t, 3> extent{}; ///< of blocks and patches, in vertices
   std::array<double, 3> origin{}, spacing{};
   insitu_block block = insitu_block_default();
   insitu_cells cells = insitu_cells_default();
+  insitu_faces faces = insitu_faces_default();
   std::int64_t vertex_count = 0, cell_count = 0;
   std::vector<insitu_array> points; ///< empty: the block's own
   std::vector<Field> fields;
@@ -36,7 +38,9 @@ struct Domain {
   std::int64_t level = -1;                   ///< of a patch
   std::uint64_t topology_print = 0, geometry_print = 0;
   std::vector<std::string> left_out; ///< what of the tree is not given, and why
-  Copies copies;
+  /// Of cells and what tells of them; equal ones of a step before are kept (keep_cells()).
+  std::shared_ptr<Copies> cell_copies = std::make_shared<Copies>();
+  Copies copies; ///< of values and coordinates
 };
 
 /// Reads a domain. topology: its name; empty: the first one of cells of volume. channel: where

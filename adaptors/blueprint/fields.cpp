@@ -36,7 +36,7 @@ void set_items(const Node& field, const Node& values, bool on_cells, const Domai
 /// Ghosts of cells; cells that are hidden already stay hidden.
 void set_ghosts(const Node& field, const Node& values, insitu_ghost_convention convention,
                 Domain& d) {
-  insitu_array given = bytes(values, d.copies);
+  insitu_array given = bytes(values, *d.cell_copies);
   set_items(field, values, true, d, given);
   if (!d.ghosts) {
     d.ghosts = given;
@@ -60,11 +60,11 @@ bool read_role(const std::string& role, const Node& field, const Node& values, b
   } else if (role == "Ghosts" && on_cells) {
     set_ghosts(field, values, INSITU_GHOSTS_VTK, d);
   } else if (role == "Ghosts") {
-    insitu_array given = bytes(values, d.copies);
+    insitu_array given = bytes(values, *d.cell_copies);
     set_items(field, values, false, d, given);
     d.hidden_points = given;
   } else if (role == "GlobalIds") {
-    insitu_array given = ids(values, d.copies);
+    insitu_array given = ids(values, *d.cell_copies);
     set_items(field, values, on_cells, d, given);
     d.global_ids[on_cells ? INSITU_CELL : INSITU_VERTEX] = given;
   } else {
