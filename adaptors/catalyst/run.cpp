@@ -60,6 +60,7 @@ std::string scene_of(const Node& catalyst) {
 
 Run::Run(const Node& catalyst) {
   const Options options = options_of(catalyst);
+  is_collective_ = options.fortran_communicator != INSITU_NO_COMMUNICATOR;
   try {
     session_.emplace(options);
   } catch (const Error& e) {
@@ -117,17 +118,40 @@ void Run::take_clock(const Node& catalyst) {
     time_ = static_cast<double>(cycle_);
 }
 
+void Run::empty(const std::string& name) {
+  const auto known = channels_.find(name);
+  if (known != channels_.end())
+    known->second->attachment.update({}, {"", known->second->adaptive, {}});
+}
+
 bool Run::execute(const Node& catalyst) {
   take_clock(catalyst);
   for (auto& [name, channel] : channels_)
     channel->present = false;
+  std::optional<Error> first;
   const Node channels = catalyst.find("channels");
   for (std::int64_t i = 0; i < channels.size(); ++i)
-    attach_channel(channels.child(i));
+    try {
+      attach_channel(channels.child(i));
+    } catch (const Error& e) {
+      if (!is_collective_)
+        throw;
+      if (!first)
+        first = e;
+    }
   for (auto& [name, channel] : channels_)
     if (!channel->present) // its arrays may be gone
-      channel->attachment.update({}, {"", channel->adaptive, {}});
-  return session_->execute(cycle_, time_);
+      empty(name);
+  bool all_well = false;
+  try { // the other processes are in this call, whatever this one lacks
+    all_well = session_->execute(cycle_, time_);
+  } catch (const Error&) {
+    if (!first)
+      throw;
+  }
+  if (first)
+    throw *first;
+  return all_well;
 }
 
 void Run::write_results(const blueprint::Conduit& conduit, void* node) const {
