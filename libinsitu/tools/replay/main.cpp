@@ -14,6 +14,8 @@
 #include "insitu/insitu.hpp"
 #include "insitu/vtk.hpp"
 
+#include "catalyst/run.h"
+#include "dumps.h"
 #include "options.h"
 #include "parts.h"
 #include "read.h"
@@ -307,8 +309,12 @@ int run(int argc, char** argv) {
       std::cout << "insitu-replay " << v[0] << '.' << v[1] << '.' << v[2] << "\n";
       return done;
     }
+    if (are_dumps(options.files))
+      return replay_dumps(options) ? done : skipped;
     silence_vtk();
     return Replay(options).run();
+  } catch (const insitu::catalyst::Logged&) {
+    return failed;
   } catch (const UsageError& e) {
     std::fprintf(stderr, "insitu-replay: %s\nTry insitu-replay --help.\n", e.what());
     return wrong_usage;

@@ -20,6 +20,9 @@ FILE is a file that VTK reads, its suffix in small or capital letters:
   2): adaptive meshes with cell arrays, one file a step
   .pvd or .series (ParaView's JSON): an index of any of these, in the order of time; the parts of a
   step in a .pvd are the pieces of the mesh
+Or it is a folder of dumps of Catalyst's calls (CATALYST_DATA_DUMP_DIRECTORY), or such dumps with
+their schemas beside them: the run is then done again, with one process in the place of all, with
+the run's own scene or another (--scene, --out, --threads, --strict).
 Each is one step, in the order given. Triangles, lines and the like beside cells of volume are left
 out, as are blocks of them; parts without cells add nothing; of several parts, arrays that one of
 them lacks are left out. Each of these is said once.

@@ -1,0 +1,287 @@
+#include "dumps.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+
+#include "catalyst/run.h"
+#include "options.h"
+#include "read.h"
+
+namespace insitu_replay {
+
+namespace {
+
+using insitu::blueprint::Conduit;
+using insitu::blueprint::Node;
+using insitu::catalyst::Tree;
+using Json = nlohmann::ordered_json;
+
+/// A dump's name: which call, of how many processes, of which.
+struct DumpName {
+  std::optional<long> call; ///< of execute; none: initialize
+  long processes = 1, process = 0;
+};
+
+std::optional<DumpName> name_of(const std::string& path) {
+  static const std::regex form(
+      R"((initialize|execute_invc([0-9]{1,9}))_params\.conduit_bin\.([0-9]{1,9})\.([0-9]{1,9}))");
+  const std::string name = std::filesystem::path(path).filename().string();
+  std::smatch parts;
+  if (!std::regex_match(name, parts, form))
+    return {};
+  DumpName out;
+  if (parts[2].matched && parts[2].length() > 0)
+    out.call = std::stol(parts[2]);
+  out.processes = std::stol(parts[3]);
+  out.process = std::stol(parts[4]);
+  return out;
+}
+
+std::vector<char> bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw FileError(path, "cannot be opened");
+  std::vector<char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (in.bad())
+    throw FileError(path, "cannot be read");
+  return bytes;
+}
+
+Conduit::TypeId type_of(const std::string& name) {
+  static const std::map<std::string, Conduit::TypeId> types = {
+      {"empty", Conduit::empty},     {"int8", Conduit::int8},
+      {"int16", Conduit::int16},     {"int32", Conduit::int32},
+      {"int64", Conduit::int64},     {"uint8", Conduit::uint8},
+      {"uint16", Conduit::uint16},   {"uint32", Conduit::uint32},
+      {"uint64", Conduit::uint64},   {"float32", Conduit::float32},
+      {"float64", Conduit::float64}, {"char8_str", Conduit::char8_str}};
+  const auto found = types.find(name);
+  return found == types.end() ? Conduit::object : found->second;
+}
+
+/// Makes trees of schemas.
+class Reader {
+public:
+  Reader(const std::string& path, Dump& dump) : path_(path), dump_(dump) {}
+
+  void read(const Json& schema, Tree& tree, const std::string& at, int depth) {
+    if (depth > 64)
+      throw FileError(path_, at + ": is more than 64 levels deep");
+    if (schema.is_object() && schema.contains("dtype") && schema["dtype"].is_string()) {
+      read_leaf(schema, tree, at);
+    } else if (schema.is_object()) {
+      for (const auto& [name, child] : schema.items())
+        read(child, child_of(tree, name), at + "/" + name, depth + 1);
+    } else if (schema.is_array()) {
+      for (const Json& child : schema)
+        read(child, tree.append(), at + "/" + std::to_string(tree.children.size() - 1), depth + 1);
+    } else {
+      throw FileError(path_, at + ": the schema has neither a type nor children");
+    }
+  }
+
+private:
+  /// Names of children may hold slashes, which make() would take for a path.
+  static Tree& child_of(Tree& tree, const std::string& name) {
+    tree.type = Conduit::object;
+    Tree& child = *tree.children.emplace_back(std::make_unique<Tree>());
+    child.name = name;
+    return child;
+  }
+
+  static std::int64_t number(const Json& schema, const char* key, std::int64_t otherwise) {
+    const auto found = schema.find(key);
+    return found != schema.end() && found->is_number_integer() ? found->get<std::int64_t>()
+                                                               : otherwise;
+  }
+
+  void read_leaf(const Json& schema, Tree& tree, const std::string& at) {
+    const auto type = type_of(schema["dtype"].get<std::string>());
+    if (type == Conduit::object)
+      throw FileError(path_, at + ": has the unknown type " + schema["dtype"].dump());
+    if (type == Conduit::empty)
+      return;
+    const std::int64_t bytes = Tree::bytes_of(type),
+                       count = number(schema, "number_of_elements", 1),
+                       offset = number(schema, "offset", 0),
+                       stride = number(schema, "stride", bytes),
+                       size = std::int64_t(dump_.bytes.size());
+    const bool fits =
+        count >= 0 && offset >= 0 && offset <= size && stride >= 0 &&
+        (count == 0 || (bytes <= size - offset &&
+                        (stride == 0 || count - 1 <= (size - offset - bytes) / stride)));
+    if (!fits)
+      throw FileError(path_, at + ": " + std::to_string(count) + " values from byte " +
+                                 std::to_string(offset) + " on reach beyond the file's " +
+                                 std::to_string(size) + " bytes");
+    if (type == Conduit::char8_str &&
+        (count == 0 || dump_.bytes[std::size_t(offset + (count - 1) * stride)] != '\0'))
+      throw FileError(path_, at + ": is a text without an end");
+    tree.set_external(type, dump_.bytes.data(), count, offset, stride);
+    if (type == Conduit::char8_str) // read from its first byte on
+      tree.set_external(type, dump_.bytes.data() + offset, count, 0, stride);
+    const auto order = schema.find("endianness");
+    tree.same_endianness = order == schema.end() || *order != "big";
+  }
+
+  const std::string& path_;
+  Dump& dump_;
+};
+
+/// The meshes of a process's channels as domains among those of the others.
+void add_domains(Tree& all, Tree& of_process, std::size_t process) {
+  Tree* channels = of_process.find("catalyst/channels");
+  if (!channels)
+    return;
+  for (const auto& channel : channels->children) {
+    Tree& to = all.make("catalyst/channels/" + channel->name);
+    for (auto& part : channel->children)
+      if (part && part->name != "data" && !to.find(part->name))
+        to.children.push_back(std::move(part));
+    Tree* data = nullptr;
+    for (const auto& part : channel->children)
+      if (part && part->name == "data")
+        data = part.get();
+    if (!data)
+      continue;
+    const Tree* type = to.find("type");
+    const bool blocks = type && type->data && std::string(type->data) == "multimesh";
+    const auto put = [&](Tree& under, std::unique_ptr<Tree> domain) {
+      domain->name = "process_" + std::to_string(process) + "_" + domain->name;
+      under.type = Conduit::object;
+      under.children.push_back(std::move(domain));
+    };
+    Tree& under = to.make("data");
+    const auto add = [&](Tree& meshes, Tree& mesh) { // a mesh, or its domains
+      if (mesh.find("coordsets") || mesh.find("topologies")) {
+        auto domain = std::make_unique<Tree>(std::move(mesh));
+        put(meshes, std::move(domain));
+      } else {
+        for (auto& domain : mesh.children)
+          put(meshes, std::move(domain));
+      }
+    };
+    if (!blocks)
+      add(under, *data);
+    else
+      for (const auto& block : data->children)
+        add(under.make(block->name), *block);
+  }
+}
+
+void set_text(Tree& tree, const std::string& path, const std::string& text) {
+  tree.make(path).set_copy(Conduit::char8_str, text.c_str(), std::int64_t(text.size()) + 1);
+}
+
+} // namespace
+
+std::unique_ptr<Dump> read_dump(const std::string& path) {
+  auto dump = std::make_unique<Dump>();
+  dump->bytes = bytes_of(path);
+  const std::string schema_path = path + "_json";
+  const std::vector<char> text = bytes_of(schema_path);
+  const Json schema = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (schema.is_discarded())
+    throw FileError(schema_path, "is no JSON");
+  Reader(path, *dump).read(schema, dump->tree, "", 0);
+  return dump;
+}
+
+bool are_dumps(const std::vector<std::string>& files) {
+  return std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    return name_of(file) || std::filesystem::is_directory(file);
+  });
+}
+
+DumpedRun find_dumps(const std::vector<std::string>& files) {
+  std::map<long, std::map<long, std::string>> calls; // -1: initialize
+  std::map<long, long> processes;
+  const auto add = [&](const std::string& path) {
+    if (const auto name = name_of(path)) {
+      calls[name->call.value_or(-1)][name->process] = path;
+      processes[name->call.value_or(-1)] = name->processes;
+    }
+  };
+  for (const std::string& file : files)
+    if (std::filesystem::is_directory(file))
+      for (const auto& entry : std::filesystem::directory_iterator(file))
+        add(entry.path().string());
+    else
+      add(file);
+  DumpedRun run;
+  for (const auto& [call, dumps] : calls) {
+    std::vector<std::string> paths;
+    for (long p = 0; p < processes[call]; ++p) {
+      const auto found = dumps.find(p);
+      if (found == dumps.end())
+        throw FileError(dumps.begin()->second, "the dump of process " + std::to_string(p) + " of " +
+                                                   std::to_string(processes[call]) + " is missing");
+      paths.push_back(found->second);
+    }
+    if (call < 0)
+      run.initialize = paths;
+    else
+      run.executes.push_back(paths);
+  }
+  if (run.executes.empty())
+    throw FileError(files.front(), "has no dumps of Catalyst's calls "
+                                   "(execute_invcN_params.conduit_bin.RANKS.RANK)");
+  return run;
+}
+
+bool replay_dumps(const ReplayOptions& options) {
+  if (options.plan || options.validate || options.reverse || options.preview ||
+      options.separate_pieces || !options.probe.empty() || !options.blanks.empty() ||
+      !options.summary.empty())
+    throw UsageError("dumps of Catalyst's calls are replayed with --scene, --out, --threads and "
+                     "--strict alone");
+  const DumpedRun calls = find_dumps(options.files);
+  std::unique_ptr<Dump> first =
+      calls.initialize.empty() ? std::make_unique<Dump>() : read_dump(calls.initialize[0]);
+  Tree& start = first->tree;
+  start.make("catalyst");
+  start.remove("catalyst/mpi_comm"); // a number of another run
+  if (!options.scene.empty()) {
+    start.remove("catalyst/scripts");
+    set_text(start, "catalyst/scripts/scene", options.scene);
+  }
+  if (!options.out.empty())
+    set_text(start, "catalyst/insitu/output", options.out);
+  if (options.threads > 0)
+    Tree::functions().set_path_int64(&start, "catalyst/insitu/threads", options.threads);
+  if (options.strict)
+    Tree::functions().set_path_int64(&start, "catalyst/insitu/strict", 1);
+  const auto catalyst_of = [](Tree& tree) {
+    return Node(Tree::functions(), &tree, "").at("catalyst");
+  };
+  std::vector<std::unique_ptr<Dump>> dumps; // as long as the session may read them
+  insitu::catalyst::Run run(catalyst_of(start));
+  bool well = true;
+  for (const std::vector<std::string>& call : calls.executes) {
+    std::vector<std::unique_ptr<Dump>> now;
+    for (const std::string& path : call)
+      now.push_back(read_dump(path));
+    Tree all;
+    for (std::size_t p = 0; now.size() > 1 && p < now.size(); ++p)
+      add_domains(all, now[p]->tree, p);
+    Tree& tree = now.size() > 1 ? all : now[0]->tree;
+    if (now.size() > 1)
+      if (Tree* state = now[0]->tree.find("catalyst/state"))
+        all.make("catalyst/state") = std::move(*state);
+    try {
+      well = run.execute(catalyst_of(tree)) && well;
+    } catch (const insitu::Error& e) {
+      throw FileError(call[0], e.what());
+    }
+    dumps = std::move(now);
+  }
+  run.close();
+  return well;
+}
+
+} // namespace insitu_replay
