@@ -165,7 +165,7 @@ void Attachment::update(const Node& data, const Options& options) {
          was_given && static_cast<std::size_t>(p) < earlier_.size()
              ? &earlier_[static_cast<std::size_t>(p)]
              : nullptr);
-  if (count == 0)
+  if (count == 0 && !(was_given && earlier_.empty())) // no new cells where there were none before
     give_nothing(options.adaptive);
   if (pieces_ > std::max(count, 1))
     check(insitu_mesh_drop_pieces(mesh_, std::max(count, 1)));

@@ -333,6 +333,8 @@ TEST_F(Blueprint, DomainsArePieces) {
   expect_attached(both);
   EXPECT_EQ(mesh.locate(std::vector<double>{5.5, 2.1, 3.1}).pieces[0], -1);
   expect_attached(TestNode()); // and none
+  ASSERT_EQ(attach(TestNode()), INSITU_OK);
+  EXPECT_EQ(mesh.commit().action, INSITU_KEEP);
   EXPECT_EQ(mesh.locate(std::vector<double>{1.5, 2.1, 3.1}).pieces[0], -1);
 }
 

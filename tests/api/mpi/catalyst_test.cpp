@@ -1,0 +1,141 @@
+/// A solver on MPI that speaks Catalyst's interface alone, its box cut into slabs: the tables are
+/// those of one process, to the byte, and a process whose channel is wrong does not leave the
+/// others waiting.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "api/catalyst/nodes.h"
+#include "api/mpi/main.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const scene = R"(insitu: 1
+page: false
+probes:
+  - {name: gauges, mesh: grid, points: {box: {min: [1, 2, 3], max: [8.9, 4.9, 3.9], counts: [9, 4, 3]}}, fields: [f, number]}
+tracers:
+  - {name: drifters, mesh: grid, velocity: v, seeds: {line: {from: [1.2, 2.2, 3.1], to: [8.5, 4.3, 3.4], count: 9}}}
+)";
+
+/// The cells of a box of 8 x 6 x 4 whose first index is from `first` to `last` - 1.
+struct Slab {
+  Slab(int first, int last) : box({last - first, 6, 4}) {
+    for (std::size_t v = 0; v < box.x.size(); ++v) {
+      box.x[v] += first;
+      box.f[v] = box.x[v] + 2 * box.y[v] + 3 * box.z[v];
+      u.push_back(1.0 - 0.0625 * box.y[v]);
+      w.push_back(0.0);
+    }
+    for (int k = 0; k < 4; ++k)
+      for (int j = 0; j < 6; ++j)
+        for (int i = first; i < last; ++i) {
+          ids.push_back(i + 8 * (j + 6 * k));
+          box.number[ids.size() - 1] = double(ids.back());
+        }
+  }
+  Box box;
+  std::vector<double> u, w;
+  std::vector<std::int64_t> ids;
+};
+
+TestNode step_of(Slab& s, int cycle) {
+  TestNode node;
+  const std::string d = "catalyst/channels/grid/data/", fields = d + "fields/";
+  node.set("catalyst/state/timestep", cycle).set("catalyst/state/time", 0.25 * cycle);
+  node.set("catalyst/channels/grid/type", "mesh");
+  if (s.ids.empty())
+    return node; // a process without cells
+  node.set(d + "coordsets/c/type", "explicit").set(d + "coordsets/c/values/x", s.box.x);
+  node.set(d + "coordsets/c/values/y", s.box.y).set(d + "coordsets/c/values/z", s.box.z);
+  node.set(d + "topologies/t/type", "unstructured").set(d + "topologies/t/coordset", "c");
+  node.set(d + "topologies/t/elements/shape", "hex");
+  node.set(d + "topologies/t/elements/connectivity", s.box.hexahedra);
+  node.set(fields + "f/association", "vertex").set(fields + "f/values", s.box.f);
+  node.set(fields + "number/association", "element").set(fields + "number/values", s.box.number);
+  node.set(fields + "v/association", "vertex").set(fields + "v/values/u", s.u);
+  node.set(fields + "v/values/v", s.w).set(fields + "v/values/w", s.w);
+  node.set(fields + "gid/association", "element").set(fields + "gid/values", s.ids);
+  node.set(d + "state/metadata/vtk_fields/gid/attribute_type", "GlobalIds");
+  return node;
+}
+
+fs::path folder() {
+  return fs::temp_directory_path() / ("insitu_catalyst_mpi_" + std::to_string(::size()));
+}
+
+/// Of one process if communicator is negative.
+int run(const std::string& name, std::int64_t communicator, Slab& slab, int wrong_at = -1) {
+  TestNode start;
+  start.set("catalyst/scripts/scene", (folder() / "scene.yaml").string());
+  start.set("catalyst/insitu/output", (folder() / name).string());
+  start.set("catalyst/insitu/threads", 1);
+  if (communicator >= 0)
+    start.set("catalyst/mpi_comm", communicator);
+  int failures = catalyst_initialize(start.get()) != catalyst_status_ok;
+  for (int cycle = 0; cycle < 6; ++cycle) {
+    TestNode node = step_of(slab, cycle);
+    if (cycle == wrong_at)
+      node.remove("catalyst/channels/grid/data/topologies/t/coordset");
+    failures += catalyst_execute(node.get()) != catalyst_status_ok;
+  }
+  return failures + (catalyst_finalize(start.get()) != catalyst_status_ok);
+}
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream out;
+  out << std::ifstream(file).rdbuf();
+  return out.str();
+}
+
+class Catalyst : public testing::Test {
+protected:
+  Catalyst() {
+    setenv("CATALYST_IMPLEMENTATION_NAME", "insitu", 1);
+    setenv("CATALYST_IMPLEMENTATION_PATHS", INSITU_CATALYST_FOLDER, 1);
+    if (::rank() == 0) {
+      fs::remove_all(folder());
+      fs::create_directories(folder());
+      std::ofstream(folder() / "scene.yaml") << scene;
+    }
+    MPI_Barrier(MPI_COMM_WORLD);
+  }
+  /// Some processes have none.
+  static Slab own_slab() {
+    const int n = ::size(), r = ::rank();
+    return n > 2 ? Slab(8 * std::max(r - 1, 0) / (n - 1), 8 * r / (n - 1))
+                 : Slab(8 * r / n, 8 * (r + 1) / n);
+  }
+};
+
+TEST_F(Catalyst, TablesAreThoseOfOneProcess) {
+  Slab slab = own_slab();
+  EXPECT_EQ(run("all", MPI_Comm_c2f(MPI_COMM_WORLD), slab), 0);
+  if (::rank() == 0) {
+    Slab whole(0, 8);
+    EXPECT_EQ(run("one", -1, whole), 0);
+    for (const char* file : {"gauges.csv", "drifters.csv"}) {
+      EXPECT_EQ(text_of(folder() / "one" / file), text_of(folder() / "all" / file)) << file;
+      EXPECT_GT(text_of(folder() / "one" / file).size(), 2000u) << file;
+    }
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+}
+
+TEST_F(Catalyst, AWrongChannelLeavesNobodyWaiting) {
+  Slab slab = own_slab();
+  const bool wrong = ::rank() == ::size() - 1;
+  const int failures = run("wrong", MPI_Comm_c2f(MPI_COMM_WORLD), slab, wrong ? 2 : -1);
+  EXPECT_GE(failures, wrong ? 1 : 0);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  return run_on_all_processes(argc, argv);
+}
