@@ -75,8 +75,8 @@ typedef enum insitu_faces_form INSITU_INT {
 /** The cells of a piece by their faces: polyhedra of any number of faces, each of any number of
  *  vertices. A face is a ring of vertex ids, wound either way, since no orientation is read. Each
  *  face bounds one cell or two, and each edge of a cell lies on two faces of it. All arrays of ids
- *  are int32 or int64, evenly spaced, and count from index_base. guide/polyhedra.md tells how such
- *  cells are located.
+ *  are int32 or int64, evenly spaced, and count from index_base. How such cells are located is told
+ *  in doc/guide/polyhedra.md.
  *
  *  OWNERS: owner names one cell a face, and neighbour the other cell of the first
  *  neighbour.count faces, or an id below index_base where a face has no other. owner may have two
