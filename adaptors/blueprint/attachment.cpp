@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace insitu::blueprint {
 
@@ -132,6 +133,18 @@ void keep_common_fields(std::vector<Domain>& domains, std::vector<std::string>& 
 }
 
 void Attachment::update(const Node& data, const Options& options) {
+  try {
+    read_and_give(data, options);
+  } catch (const Error& e) {
+    is_refused_ = true;
+    (void)insitu_mesh_refuse(mesh_, e.what());
+    throw;
+  }
+  if (std::exchange(is_refused_, false))
+    check(insitu_mesh_refuse(mesh_, nullptr));
+}
+
+void Attachment::read_and_give(const Node& data, const Options& options) {
   std::vector<Domain> now = read_domains(data, options);
   left_out_.clear();
   for (const Domain& d : now)

@@ -29,6 +29,7 @@ public:
   const std::vector<std::string>& left_out() const { return left_out_; }
 
 private:
+  void read_and_give(const Node& data, const Options& options);
   void give(std::int32_t piece, const Domain& now, const Domain* before);
   void give_fields(std::int32_t piece, const Domain& now);
   void give_nothing(bool adaptive);
@@ -38,6 +39,7 @@ private:
   std::vector<Domain> domains_; ///< as given
   std::vector<Domain> earlier_; ///< arrays of theirs may still be given
   bool is_given_ = false;       ///< domains_ are given, all of them
+  bool is_refused_ = false;
   std::int32_t pieces_ = 0;     ///< of the mesh, at most
   std::set<std::string> fields_;
   std::vector<std::string> left_out_;

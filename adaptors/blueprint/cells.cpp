@@ -14,13 +14,13 @@ struct ShapeName {
   int ids;          ///< 0: any number
 };
 
-constexpr ShapeName shapes[] = {
+constexpr ShapeName known_shapes[] = {
     {"point", 0, 1, 1},     {"line", 1, 3, 2},       {"tri", 2, 5, 3},  {"quad", 2, 9, 4},
     {"polygonal", 2, 7, 0}, {"tet", 3, 10, 4},       {"hex", 3, 12, 8}, {"wedge", 3, 13, 6},
     {"pyramid", 3, 14, 5},  {"polyhedral", 3, 42, 0}};
 
 const ShapeName* shape_of(const std::string& name) {
-  for (const ShapeName& s : shapes)
+  for (const ShapeName& s : known_shapes)
     if (name == s.name)
       return &s;
   return nullptr;
@@ -62,57 +62,75 @@ void read_one_shape(const Node& elements, Domain& d) {
   d.cells.count = d.cell_count = all.count;
 }
 
-/// The shapes of a map, by the number that it gives them.
-std::map<std::int64_t, const ShapeName*> shapes_of(const Node& map) {
-  std::map<std::int64_t, const ShapeName*> out;
+/// A shape of a map, by the number that the map gives it; null for one that no mixed cell may be,
+/// which a map may name all the same.
+struct Mapped {
+  std::int64_t number;
+  const ShapeName* shape;
+  std::string name;
+};
+using Shapes = std::vector<Mapped>; ///< a handful
+
+Shapes shapes_of(const Node& map) {
+  Shapes out;
   for (std::int64_t i = 0; i < map.size(); ++i) {
     const Node entry = map.child(i);
-    const ShapeName* shape = shape_of(entry.name());
-    if (!shape)
-      refuse_shape(entry, entry.name());
-    out[entry.integer()] = shape;
+    const std::string name = entry.name();
+    const ShapeName* shape = shape_of(name);
+    out.push_back({entry.integer(), shape && shape->vtk != 42 ? shape : nullptr, name});
   }
   return out;
 }
 
-/// VTK's numbers of the cells' shapes, in place where they are these already.
+const ShapeName& shape_at(const Node& node, const Leaf& numbers, std::int64_t cell,
+                          const Shapes& shapes) {
+  const std::int64_t number = numbers.integer(cell);
+  for (const Mapped& m : shapes) {
+    if (m.number != number)
+      continue;
+    if (!m.shape)
+      refuse_shape(node, m.name);
+    return *m.shape;
+  }
+  node.refuse(INSITU_ERROR_ARGUMENT, "of cell " + std::to_string(cell) + " is " +
+                                         std::to_string(number) + ", which is not in shape_map");
+}
+
+/// VTK's numbers of the cells' shapes, in place where they are these already; the library then
+/// finds what is no number of a shape.
 void read_types(const Node& elements, Domain& d) {
   const Node node = elements.at("shapes");
   const Leaf leaf = node.leaf();
   if (!leaf.is_integer())
     node.refuse(INSITU_ERROR_ARGUMENT, "holds no integers");
-  const auto map = shapes_of(elements.at("shape_map"));
+  const Shapes shapes = shapes_of(elements.at("shape_map"));
   bool in_place = leaf.type == Conduit::uint8 && leaf.stride == 1;
-  for (const auto& [number, shape] : map)
-    in_place = in_place && number == shape->vtk && shape->dimensions == 3;
-  std::uint8_t* types = d.cell_copies->make<std::uint8_t>(leaf.count);
+  for (const Mapped& m : shapes)
+    in_place = in_place && m.shape && m.number == m.shape->vtk && m.shape->dimensions == 3;
+  if (in_place) {
+    d.cells.types = insitu_array_of(leaf.data, INSITU_UINT8, leaf.count, 1);
+    return;
+  }
+  auto* types = d.cell_copies->make<std::uint8_t>(leaf.count);
   std::map<std::string, std::int64_t> flat;
   for (std::int64_t c = 0; c < leaf.count; ++c) {
-    const auto found = map.find(leaf.integer(c));
-    if (found == map.end())
-      node.refuse(INSITU_ERROR_ARGUMENT, "of cell " + std::to_string(c) + " is " +
-                                             std::to_string(leaf.integer(c)) +
-                                             ", which is not in shape_map");
-    if (found->second->vtk == 42)
-      refuse_shape(node, "polyhedral");
-    types[c] = found->second->vtk;
-    if (found->second->dimensions < 3)
-      ++flat[found->second->name];
+    const ShapeName& shape = shape_at(node, leaf, c, shapes);
+    types[c] = shape.vtk;
+    if (shape.dimensions < 3)
+      ++flat[shape.name];
   }
-  d.cells.types = in_place ? insitu_array_of(leaf.data, INSITU_UINT8, leaf.count, 1)
-                           : insitu_array_of(types, INSITU_UINT8, leaf.count, 1);
-  if (!in_place)
-    d.cells.types.converted = "shapes have other numbers than VTK's, or other types";
+  d.cells.types = insitu_array_of(types, INSITU_UINT8, leaf.count, 1);
+  d.cells.types.converted = "shapes have other numbers than VTK's, or other types";
   for (const auto& [name, number] : flat)
     d.left_out.push_back(elements.path() + ": " + std::to_string(number) + " cells of shape " +
                          name + " have no volume");
-  if (!flat.empty()) { // they keep their numbers, and are hidden
-    std::uint8_t* ghosts = d.cell_copies->make<std::uint8_t>(leaf.count);
-    for (std::int64_t c = 0; c < leaf.count; ++c)
-      ghosts[c] = types[c] < 10 ? 32 : 0;
-    d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
-    d.ghosts->converted = "cells without volume are hidden";
-  }
+  if (flat.empty())
+    return;
+  auto* ghosts = d.cell_copies->make<std::uint8_t>(leaf.count); // they keep their numbers
+  for (std::int64_t c = 0; c < leaf.count; ++c)
+    ghosts[c] = types[c] < INSITU_TETRAHEDRON ? 32 : 0;
+  d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
+  d.ghosts->converted = "cells without volume are hidden";
 }
 
 /// The sums of a relation's sizes, from 0 on: one more than there are sizes.

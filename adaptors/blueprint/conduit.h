@@ -42,6 +42,25 @@ struct Conduit {
     char8_str = 13
   };
 
+  /// Bytes of one value: 0 of what is no leaf.
+  static constexpr std::int64_t bytes_of(TypeId type) {
+    switch (type) {
+    case int16:
+    case uint16:
+      return 2;
+    case int32:
+    case uint32:
+    case float32:
+      return 4;
+    case int64:
+    case uint64:
+    case float64:
+      return 8;
+    default:
+      return type > list ? 1 : 0;
+    }
+  }
+
   /// Whose nodes are read: those of the Conduit that is part of libcatalyst (its functions are
   /// named catalyst_conduit_...), if the program has it, or those of a Conduit of the program's
   /// own.

@@ -51,23 +51,6 @@ std::int64_t integer_of(T value) {
 
 } // namespace
 
-std::int64_t Leaf::bytes() const {
-  switch (type) {
-  case Conduit::int8:
-  case Conduit::uint8:
-    return 1;
-  case Conduit::int16:
-  case Conduit::uint16:
-    return 2;
-  case Conduit::int32:
-  case Conduit::uint32:
-  case Conduit::float32:
-    return 4;
-  default:
-    return is_number() ? 8 : 0;
-  }
-}
-
 double Leaf::real(std::int64_t i) const {
   return visit(*this, i, [](auto value) { return static_cast<double>(value); });
 }

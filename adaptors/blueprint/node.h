@@ -20,8 +20,7 @@ struct Leaf {
   bool is_real() const { return type == Conduit::float32 || type == Conduit::float64; }
   bool is_integer() const { return type >= Conduit::int8 && type <= Conduit::uint64; }
   bool is_number() const { return type >= Conduit::int8 && type <= Conduit::float64; }
-  /// Bytes of one value, 0 unless is_number().
-  std::int64_t bytes() const;
+  std::int64_t bytes() const { return Conduit::bytes_of(type); } ///< of one value
   /// Value i, of any type of number; i: from 0 to count - 1.
   double real(std::int64_t i) const;
   std::int64_t integer(std::int64_t i) const;

@@ -60,7 +60,6 @@ std::string scene_of(const Node& catalyst) {
 
 Run::Run(const Node& catalyst) {
   const Options options = options_of(catalyst);
-  is_collective_ = options.fortran_communicator != INSITU_NO_COMMUNICATOR;
   try {
     session_.emplace(options);
   } catch (const Error& e) {
@@ -81,14 +80,15 @@ void Run::attach(const std::string& mesh, const Node& data, const Node& channel,
     c->adaptive = adaptive;
   }
   try {
-    c->attachment.update(data, {"", adaptive, channel});
     c->present = true;
+    c->attachment.update(data, {"", adaptive, channel});
     for (const std::string& line : c->attachment.left_out())
       say_once("left out: " + line);
   } catch (const Error& e) {
     if (e.status() != INSITU_ERROR_UNSUPPORTED)
       throw;
-    say_once(e.what()); // the mesh then has no cells
+    say_once(e.what());
+    c->present = false; // the mesh then has no cells
   }
 }
 
@@ -118,39 +118,24 @@ void Run::take_clock(const Node& catalyst) {
     time_ = static_cast<double>(cycle_);
 }
 
-void Run::empty(const std::string& name) {
-  const auto known = channels_.find(name);
-  if (known != channels_.end())
-    known->second->attachment.update({}, {"", known->second->adaptive, {}});
-}
-
 bool Run::execute(const Node& catalyst) {
   take_clock(catalyst);
   for (auto& [name, channel] : channels_)
     channel->present = false;
-  std::optional<Error> first;
+  std::optional<Error> wrong;
   const Node channels = catalyst.find("channels");
   for (std::int64_t i = 0; i < channels.size(); ++i)
     try {
       attach_channel(channels.child(i));
-    } catch (const Error& e) {
-      if (!is_collective_)
-        throw;
-      if (!first)
-        first = e;
+    } catch (const Error& e) { // its mesh is refused, which the session tells all processes
+      wrong = e;
     }
   for (auto& [name, channel] : channels_)
     if (!channel->present) // its arrays may be gone
-      empty(name);
-  bool all_well = false;
-  try { // the other processes are in this call, whatever this one lacks
-    all_well = session_->execute(cycle_, time_);
-  } catch (const Error&) {
-    if (!first)
-      throw;
-  }
-  if (first)
-    throw *first;
+      channel->attachment.update({}, {"", channel->adaptive, {}});
+  const bool all_well = session_->execute(cycle_, time_);
+  if (wrong)
+    throw *wrong;
   return all_well;
 }
 

@@ -26,9 +26,8 @@ public:
 
   /// Gives the channels' meshes to the session, and executes it. A channel of a kind that the
   /// library cannot read is left out, and said once. Returns false if an action failed (the library
-  /// has logged it); throws Error for any other failure. Where a channel of one of several
-  /// processes is wrong, its mesh has no cells there in this step, and the session executes all the
-  /// same, as the other processes wait for this one.
+  /// has logged it); throws Error for any other failure, such as a channel that is wrong on this
+  /// process or another one: nothing is executed then.
   bool execute(const blueprint::Node& catalyst);
 
   /// What the session did so far, as catalyst/insitu/... of the node.
@@ -49,13 +48,10 @@ private:
   void attach_channel(const blueprint::Node& channel);
   void take_clock(const blueprint::Node& catalyst);
   void say_once(const std::string& text);
-  /// Leaves a mesh without cells.
-  void empty(const std::string& name);
 
   std::map<std::string, std::unique_ptr<Channel>> channels_; ///< outlives the session
   std::optional<Session> session_;
   std::set<std::string> said_;
-  bool is_collective_ = false; ///< the session is of several processes
   std::int64_t cycle_ = -1;
   double time_ = 0;
 };

@@ -29,16 +29,7 @@ constexpr std::int64_t places[] = {0, 0, 0, -4, (1 << 30) - 8, -(1 << 30)};
 
 class Solver {
 public:
-  explicit Solver(Bytes input) : in_(input) {
-    insitu_session_options options = insitu_session_options_default();
-    options.threads = 1;
-    options.log = [](insitu_log_level, const char*, void*) {};
-    options.strict = in_.one_in(8);
-    require(insitu_session_open(&options, &session_) == INSITU_OK, "a session");
-    require(insitu_session_mesh(session_, "mesh", &mesh_) == INSITU_OK, "a mesh");
-    place_ = places[in_.below(6)];
-  }
-  ~Solver() { require(insitu_session_close(&session_) == INSITU_OK, "the session closes"); }
+  explicit Solver(Bytes input) : in_(input) { place_ = places[in_.below(6)]; }
 
   void run() {
     for (int calls = 0; calls < 40 && !in_.empty(); ++calls)
@@ -363,8 +354,6 @@ private:
   }
 
   Bytes in_;
-  insitu_session session_ = nullptr;
-  insitu_mesh mesh_ = nullptr;
   std::deque<std::vector<std::uint8_t>> memory_;
   std::array<Piece, 4> pieces_;
   std::int64_t place_ = 0;
@@ -373,6 +362,8 @@ private:
   insitu_type last_type_ = INSITU_UINT8;
   bool last_is_level_ = false;
   double zero_ = 0.0;
+  const fuzz::Session session_{in_.one_in(8)}; ///< closed before the arrays go
+  const insitu_mesh mesh_ = session_.mesh;
 };
 
 } // namespace

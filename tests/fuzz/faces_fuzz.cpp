@@ -17,14 +17,7 @@ using fuzz::require;
 /// Cells by their rings, in arrays of int32 or int64 that are as large as they claim to be.
 class Solver {
 public:
-  explicit Solver(Bytes input) : in_(input) {
-    insitu_session_options options = insitu_session_options_default();
-    options.threads = 1;
-    options.log = [](insitu_log_level, const char*, void*) {};
-    require(insitu_session_open(&options, &session_) == INSITU_OK, "a session");
-    require(insitu_session_mesh(session_, "mesh", &mesh_) == INSITU_OK, "a mesh");
-  }
-  ~Solver() { require(insitu_session_close(&session_) == INSITU_OK, "the session closes"); }
+  explicit Solver(Bytes input) : in_(input) {}
 
   void run() {
     make();
@@ -192,8 +185,6 @@ private:
   }
 
   Bytes in_;
-  insitu_session session_ = nullptr;
-  insitu_mesh mesh_ = nullptr;
   std::vector<double> points_, values_;
   std::vector<std::uint8_t> ghosts_;
   std::vector<std::int64_t> ids_[arrays], wide_[arrays];
@@ -201,6 +192,8 @@ private:
   std::int64_t faces_ = 0, cells_ = 0;
   std::int32_t base_ = 0;
   bool by_cell_ = false;
+  const fuzz::Session session_{}; ///< closed before the arrays go
+  const insitu_mesh mesh_ = session_.mesh;
 };
 
 } // namespace

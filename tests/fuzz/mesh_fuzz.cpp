@@ -25,15 +25,7 @@ using fuzz::require;
 
 class Solver {
 public:
-  explicit Solver(Bytes input) : in_(input) {
-    insitu_session_options options = insitu_session_options_default();
-    options.threads = 1;
-    options.log = [](insitu_log_level, const char*, void*) {};
-    options.strict = in_.one_in(8);
-    require(insitu_session_open(&options, &session_) == INSITU_OK, "a session");
-    require(insitu_session_mesh(session_, "mesh", &mesh_) == INSITU_OK, "a mesh");
-  }
-  ~Solver() { require(insitu_session_close(&session_) == INSITU_OK, "the session closes"); }
+  explicit Solver(Bytes input) : in_(input) {}
 
   void run() {
     for (int calls = 0; calls < 40 && !in_.empty(); ++calls)
@@ -264,12 +256,12 @@ private:
   };
 
   Bytes in_;
-  insitu_session session_ = nullptr;
-  insitu_mesh mesh_ = nullptr;
   std::deque<std::vector<std::uint8_t>> memory_;
   std::uint8_t* good_points_ = nullptr;
   Last last_;
   bool types_ = false;
+  const fuzz::Session session_{in_.one_in(8)}; ///< closed before the arrays go
+  const insitu_mesh mesh_ = session_.mesh;
 };
 
 } // namespace

@@ -27,6 +27,24 @@ inline bool check(insitu_status status) {
   return status == INSITU_OK;
 }
 
+/// A session of one thread whose log is silent, with one mesh.
+struct Session {
+  insitu_session handle = nullptr;
+  insitu_mesh mesh = nullptr;
+
+  explicit Session(bool strict = false) {
+    insitu_session_options options = insitu_session_options_default();
+    options.threads = 1;
+    options.strict = strict;
+    options.log = [](insitu_log_level, const char*, void*) {};
+    require(insitu_session_open(&options, &handle) == INSITU_OK, "a session");
+    require(insitu_session_mesh(handle, "mesh", &mesh) == INSITU_OK, "a mesh");
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() { require(insitu_session_close(&handle) == INSITU_OK, "the session closes"); }
+};
+
 class Bytes {
 public:
   Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}

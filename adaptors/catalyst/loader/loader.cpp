@@ -151,7 +151,7 @@ conduit_index_t conduit_datatype_stride(const conduit_datatype* type) {
 }
 
 conduit_index_t conduit_datatype_element_bytes(const conduit_datatype* type) {
-  return Tree::bytes_of(tree_of(type).type);
+  return Conduit::bytes_of(tree_of(type).type);
 }
 
 int conduit_datatype_endianness_matches_machine(const conduit_datatype* type) {

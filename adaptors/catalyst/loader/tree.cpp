@@ -80,31 +80,13 @@ void Tree::set_external(TypeId of_type, const void* values, std::int64_t n, std:
 }
 
 void Tree::set_copy(TypeId of_type, const void* values, std::int64_t n) {
-  const std::int64_t bytes = bytes_of(of_type);
+  const std::int64_t bytes = Conduit::bytes_of(of_type);
   std::vector<char> copy(static_cast<std::size_t>(n * bytes));
   if (n > 0)
     std::memcpy(copy.data(), values, copy.size());
   set_external(of_type, nullptr, n, 0, bytes);
   own = std::move(copy);
   data = own.data();
-}
-
-std::int64_t Tree::bytes_of(TypeId type) {
-  switch (type) {
-  case Conduit::int16:
-  case Conduit::uint16:
-    return 2;
-  case Conduit::int32:
-  case Conduit::uint32:
-  case Conduit::float32:
-    return 4;
-  case Conduit::int64:
-  case Conduit::uint64:
-  case Conduit::float64:
-    return 8;
-  default:
-    return type > Conduit::list ? 1 : 0;
-  }
 }
 
 const Conduit& Tree::functions() {

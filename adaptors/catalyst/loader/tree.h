@@ -34,7 +34,6 @@ struct Tree {
                     std::int64_t step);
   void set_copy(TypeId of, const void* values, std::int64_t n);
 
-  static std::int64_t bytes_of(TypeId type);
   /// The functions by which such trees are read and written, in Conduit's place.
   static const blueprint::Conduit& functions();
 };

@@ -60,6 +60,12 @@ public:
   /** Tells the library what changed since the last commit; calls add up. Calls that give new arrays
    *  and cells imply it. */
   void changed(Change what) { detail::check(insitu_mesh_changed(handle(), what)); }
+  /** Says that the arrays cannot be given, and why: until accept() commits throw
+   *  INSITU_ERROR_MESH with this message, on all processes (insitu_mesh_refuse). */
+  void refuse(const std::string& message) {
+    detail::check(insitu_mesh_refuse(handle(), message.c_str()));
+  }
+  void accept() { detail::check(insitu_mesh_refuse(handle(), nullptr)); }
   /** Says that items of the field that hold this value have no value (insitu_mesh_field_blank). */
   void field_blank(const std::string& name, double value) {
     detail::check(insitu_mesh_field_blank(handle(), name.c_str(), value));

@@ -138,6 +138,7 @@ void Session::note_changed(SessionMesh& mesh, std::uint32_t what) {
 
 insitu_commit_report Session::commit(SessionMesh& to) {
   commit::CommittedMesh& mesh = to.mesh;
+  mesh.expect_no_refusal(); // before any array is read
   const std::uint32_t said = mesh.mesh().pending();
   if (checked_)
     to.given.check(mesh.mesh(), context_.log);

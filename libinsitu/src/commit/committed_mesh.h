@@ -67,6 +67,18 @@ public:
   insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
                               const core::Memory& memory, bool strict);
 
+  /// The caller cannot give the arrays: the mesh is not committed, and its commits are to begin
+  /// with expect_no_refusal(), which throws INSITU_ERROR_MESH with this message. "": the caller
+  /// can.
+  void refuse(std::string message) {
+    refusal_ = std::move(message);
+    committed_ = false;
+  }
+  void expect_no_refusal() const {
+    if (!refusal_.empty())
+      throw core::Error(INSITU_ERROR_MESH, "mesh '" + mesh_.name() + "': " + refusal_);
+  }
+
   /// Does now what the commit has put off until a query needs it, and says what it was. Throws
   /// core::Error; the mesh stays committed, and the work is still to be done.
   insitu_commit_report complete(const core::Memory& memory);
@@ -295,6 +307,7 @@ private:
   std::int64_t located_before_ = 0;            ///< points, when the policy was last told
   mutable std::atomic<std::int64_t> drawn_{0}; ///< points, for frames since then
   std::int64_t located_lately_ = 0; ///< points, between the last two commits that changed something
+  std::string refusal_;             ///< by the caller; empty: none
   bool committed_ = false;
   bool on_device_ = false; ///< asked for with every point, so kept
   bool folds_are_known_ = false;

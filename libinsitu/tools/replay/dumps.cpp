@@ -43,11 +43,13 @@ std::optional<DumpName> name_of(const std::string& path) {
 }
 
 std::vector<char> bytes_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in)
     throw FileError(path, "cannot be opened");
-  std::vector<char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad())
+  std::vector<char> bytes(static_cast<std::size_t>(std::max<std::streamoff>(in.tellg(), 0)));
+  in.seekg(0);
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!in)
     throw FileError(path, "cannot be read");
   return bytes;
 }
@@ -106,7 +108,7 @@ private:
       throw FileError(path_, at + ": has the unknown type " + schema["dtype"].dump());
     if (type == Conduit::empty)
       return;
-    const std::int64_t bytes = Tree::bytes_of(type),
+    const std::int64_t bytes = Conduit::bytes_of(type),
                        count = number(schema, "number_of_elements", 1),
                        offset = number(schema, "offset", 0),
                        stride = number(schema, "stride", bytes),

@@ -6,41 +6,25 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <new>
 #include <string>
 
 #include "api/mpi/main.h"
 #include "api/mpi/slab.h"
+#include "fixtures/lacking_memory.h"
 
 namespace {
 
-constexpr std::size_t least_bytes = 512; ///< of a piece that counts; of text there is always room
 thread_local bool counts = false;
 thread_local std::int64_t taken = 0;    ///< pieces, while they count
 thread_local std::int64_t lacking = -1; ///< the number of the piece that is not had; -1: none
 thread_local bool has_failed = false;
 
-bool fails(std::size_t bytes) {
+} // namespace
+
+bool insitu::test::lacks(std::size_t bytes) {
   if (!counts || bytes < least_bytes || taken++ != lacking)
     return false;
   return has_failed = true;
-}
-
-} // namespace
-
-// The library's calls come here, too. Not in line, where GCC 12 would take them for a pair that
-// does not match.
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  void* const memory = fails(bytes) ? nullptr : std::malloc(bytes > 0 ? bytes : 1);
-  if (!memory)
-    throw std::bad_alloc();
-  return memory;
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
 }
 
 namespace {

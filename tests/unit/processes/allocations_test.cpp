@@ -1,35 +1,17 @@
 // Memory that one process lacks, in each phase of a collective call: all processes say the same,
 // and nobody hangs (the test's limit of time is the check). What is taken is counted at operator
 // new, so that each piece of a noteworthy size fails once, on one process or another.
-#include <cstdlib>
-#include <new>
-
+#include "fixtures/lacking_memory.h"
 #include "part_session.h"
 
 namespace {
 
 thread_local std::int64_t until_failure = -1; ///< pieces that are still had; -1: all
-constexpr std::size_t least_bytes = 512; ///< of a piece that counts; of text there is always room
-
-bool fails(std::size_t bytes) {
-  return until_failure >= 0 && bytes >= least_bytes && !insitu::test::is_exchanging &&
-         until_failure-- == 0;
-}
 
 } // namespace
 
-// Not in line, where GCC 12 would take them for a pair that does not match.
-[[gnu::noinline]] void* operator new(std::size_t bytes) {
-  void* const memory = fails(bytes) ? nullptr : std::malloc(bytes > 0 ? bytes : 1);
-  if (!memory)
-    throw std::bad_alloc();
-  return memory;
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
+bool insitu::test::lacks(std::size_t bytes) {
+  return until_failure >= 0 && bytes >= least_bytes && !is_exchanging && until_failure-- == 0;
 }
 
 using namespace insitu;

@@ -55,7 +55,7 @@ static inline insitu_blueprint_options insitu_blueprint_options_default(void) {
  *  INSITU_ERROR_ARGUMENT: the tree lacks something, or has it in a form that cannot be; the message
  *  names its path. INSITU_ERROR_FIELD: a field has another number of items than its topology.
  *  INSITU_ERROR_UNSUPPORTED: the tree is right, and the library cannot do it. After an error the
- *  caller gives another node before the session executes. */
+ *  mesh is refused (insitu_mesh_refuse) until a node is attached that is right. */
 INSITU_BLUEPRINT_API insitu_status insitu_blueprint_attach(insitu_session session, const char* name,
                                                            const void* node,
                                                            const insitu_blueprint_options* options,

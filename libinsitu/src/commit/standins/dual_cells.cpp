@@ -138,22 +138,13 @@ void DualCells::find_owners(const Neighbours& neighbours) {
 }
 
 void DualCells::fields_changed() {
-  for (const auto& f : fields_)
-    f->fresh = false;
+  fields_.values_changed();
 }
 
 mesh::FieldView DualCells::field(const mesh::FieldView& own) {
-  const std::lock_guard lock(mutex_);
-  const auto known = std::find_if(fields_.begin(), fields_.end(),
-                                  [&](const auto& f) { return f->name == own.name; });
-  Gathered& g = known != fields_.end()
-                    ? **known
-                    : *fields_.emplace_back(std::make_unique<Gathered>(*memory_));
-  if (!g.fresh) {
-    g.name = own.name;
-    gather(own, g);
-    g.fresh = true;
-  }
+  const Gathered& g = fields_.find(
+      own, [&] { return std::make_unique<Gathered>(*memory_); },
+      [&](Gathered& to) { gather(own, to); });
   return {g.name.c_str(), INSITU_VERTEX, g.components, g.views.data()};
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "amr/dual/dual_mesh.h"
 #include "commit/standins/dual_order.h"
+#include "commit/standins/gathered_fields.h"
 #include "mesh/registered/mesh.h"
 #include "query/lattice/gridlet_places.h"
 
@@ -61,8 +61,7 @@ private:
   const mesh::MeshView* own_ = nullptr;
   const mesh::AmrView* amr_ = nullptr;
   const core::Threads* threads_ = nullptr;
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Gathered>> fields_;
+  GatheredFields<Gathered> fields_;
 };
 
 } // namespace insitu::commit

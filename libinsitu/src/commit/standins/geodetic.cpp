@@ -52,7 +52,7 @@ StandIn::Found Geodetic::commit(mesh::Mesh& mesh, const insitu_frame& frame, std
                " cells wrap around or hold a pole; " + std::to_string(copied_cells()) +
                " copies of cells there, " + std::to_string(bytes()) + " bytes");
   } else {
-    fields_changed();
+    fields_.values_changed();
   }
   if (has_copies())
     found.validation.reset(); // it is of cells that are hidden, too
@@ -76,7 +76,7 @@ void Geodetic::audit(std::vector<insitu_audit_entry>& entries) const {
 bool Geodetic::build(const mesh::Mesh& mesh, const geo::ChartUnits& units, bool other_cells,
                      const core::Threads& threads) {
   own_ = &mesh.own_view();
-  fields_changed();
+  fields_.values_changed();
   const ChartSearch search(mesh.name(), *own_, units, threads);
   has_whole_ = has_whole_ && search.facts() == facts_;
   facts_ = search.facts();

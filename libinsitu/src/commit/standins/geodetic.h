@@ -1,11 +1,11 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "commit/standins/chart_cells.h"
+#include "commit/standins/gathered_fields.h"
 #include "commit/standins/stand_in.h"
 #include "core/memory.h"
 
@@ -67,7 +67,6 @@ private:
   struct Gathered;
   bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, bool other_cells,
              const core::Threads& threads);
-  void fields_changed();
   Turn turn_of(geo::Pole pole, const math::Vec3d& east, const math::Vec3d& turned) const;
   void copy(const mesh::MeshView& own, const std::vector<ChartCopy>& cells, Copies& to) const;
   void hide(const mesh::MeshView& own, const core::Threads& threads);
@@ -88,8 +87,7 @@ private:
   std::vector<mesh::PieceView> pieces_;
   std::vector<std::int64_t> first_cell_, first_vertex_;
   mesh::MeshView view_;
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Gathered>> fields_;
+  GatheredFields<Gathered> fields_;
 };
 
 } // namespace insitu::commit

@@ -77,22 +77,9 @@ void Geodetic::copy(const mesh::MeshView& own, const std::vector<ChartCopy>& cel
   }
 }
 
-void Geodetic::fields_changed() {
-  for (const auto& f : fields_)
-    f->fresh = false;
-}
-
 mesh::FieldView Geodetic::field(const mesh::FieldView& own) {
-  const std::lock_guard lock(mutex_);
-  const auto known =
-      std::ranges::find_if(fields_, [&](const auto& f) { return f->name == own.name; });
-  Gathered& g =
-      known != fields_.end() ? **known : *fields_.emplace_back(std::make_unique<Gathered>());
-  if (!g.fresh) {
-    g.name = own.name;
-    gather(own, g);
-    g.fresh = true;
-  }
+  const Gathered& g = fields_.find(
+      own, [] { return std::make_unique<Gathered>(); }, [&](Gathered& to) { gather(own, to); });
   return {g.name.c_str(), own.association, own.components, g.views.data(), own.has_blanks};
 }
 

@@ -33,6 +33,10 @@ struct Polyhedral::Gathered {
   std::vector<mesh::FieldPieceView> views;
 };
 
+Polyhedral::Polyhedral(core::Memory& memory) : memory_(&memory) {}
+
+Polyhedral::~Polyhedral() = default;
+
 void Polyhedral::require(const std::string& mesh_name, const query::LocatorPick& pick,
                          bool on_device) const {
   if (on_device || pick.backend != accel::Backend::cpu)
@@ -69,8 +73,7 @@ StandIn::Found Polyhedral::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*
     place_vertices(threads);
     built_ = true;
   }
-  for (const auto& f : fields_)
-    f->fresh = false;
+  fields_.values_changed();
   set_views(); // the solver's pieces may lie elsewhere
   for (std::size_t p = 0; p < parts_.size(); ++p)
     if (parts_[p])
@@ -156,16 +159,8 @@ void Polyhedral::set_views() {
 }
 
 mesh::FieldView Polyhedral::field(const mesh::FieldView& own) {
-  const std::lock_guard lock(mutex_);
-  const auto known =
-      std::ranges::find_if(fields_, [&](const auto& f) { return f->name == own.name; });
-  Gathered& g =
-      known != fields_.end() ? **known : *fields_.emplace_back(std::make_unique<Gathered>());
-  if (!g.fresh) {
-    g.name = own.name;
-    gather(own, g);
-    g.fresh = true;
-  }
+  const Gathered& g = fields_.find(
+      own, [] { return std::make_unique<Gathered>(); }, [&](Gathered& to) { gather(own, to); });
   return {g.name.c_str(), own.association, own.components, g.views.data(), own.has_blanks};
 }
 

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "cells/polyhedra/made_points.h"
 #include "cells/polyhedra/parts.h"
+#include "commit/standins/gathered_fields.h"
 #include "commit/standins/stand_in.h"
 #include "core/memory.h"
 
@@ -21,7 +21,8 @@ namespace insitu::commit {
 /// what they are.
 class Polyhedral final : public StandIn {
 public:
-  explicit Polyhedral(core::Memory& memory) : memory_(&memory) {}
+  explicit Polyhedral(core::Memory& memory);
+  ~Polyhedral() override;
 
   bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const override {
     return mesh.has_faces() && frame.kind != INSITU_FRAME_GEODETIC;
@@ -74,8 +75,7 @@ private:
   std::vector<mesh::PieceView> pieces_;
   std::vector<std::int64_t> first_cell_, first_vertex_;
   mesh::MeshView view_;
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Gathered>> fields_;
+  GatheredFields<Gathered> fields_;
 };
 
 } // namespace insitu::commit

@@ -24,6 +24,13 @@ enum {
  *  commit. A call that gives a new array or cells implies it. */
 INSITU_API insitu_status insitu_mesh_changed(insitu_mesh mesh, uint32_t what);
 
+/** Says that the caller cannot give the mesh's arrays, and why: the mesh is not committed any more,
+ *  and until a call with a null message takes that back its commits, those of
+ *  insitu_session_execute among them, read no array and fail with INSITU_ERROR_MESH and this
+ *  message. Over several processes all of them then get this error, which names the process, and
+ *  none waits for it. */
+INSITU_API insitu_status insitu_mesh_refuse(insitu_mesh mesh, const char* message);
+
 typedef enum insitu_action INSITU_INT {
   INSITU_KEEP = 0,   /**< the commit had nothing to do, or refreshed value ranges */
   INSITU_REFIT = 1,  /**< vertices moved: boxes are refitted, once a query asks the tree */
@@ -69,10 +76,11 @@ static inline insitu_commit_report insitu_commit_report_default(void) {
 /** Brings the structures up to date. After a change of topology the commit rebuilds; after a change
  *  of geometry it notes that the tree is to be refitted, or rebuilt once the refitted tree costs
  *  too much: the first query that asks the tree does so (insitu_mesh_complete does so now), and
- *  points that are found in the cell that held them before ask it for nothing. Ray methods, devices
- *  and geodetic meshes refit in the commit. After a change of fields a commit refreshes value
- *  ranges; without a change it does nothing. Once queries and tracers,
- *  but not frames, have located enough points, a commit of geometry or fields also rebuilds by
+ *  points that are found in the cell that held them before ask it for nothing. In a session of
+ *  several processes a rebuild is put off likewise, and the report's bytes then are without the
+ *  tree. Ray methods, devices and geodetic meshes refit in the commit. After a change of fields a
+ *  commit refreshes value ranges; without a change it does nothing. Once queries and tracers, but
+ *  not frames, have located enough points, a commit of geometry or fields also rebuilds by
  *  surface area. The mesh's first commit validates the mesh, and so does a commit after a change of
  *  topology. report may be null. Where a device answers (insitu_mesh_locator), the commit waits for
  *  all work that was queued on the device, on any stream: queries and tracers may still read what
