@@ -49,6 +49,7 @@ module insitu
       insitu_error_mesh, insitu_error_field, insitu_error_scene, insitu_error_file, &
       insitu_error_memory, insitu_error_unsupported, insitu_error_conversion, insitu_error_action, &
       insitu_error_internal, &
+      insitu_triangle, insitu_pixel, insitu_quad, &
       insitu_tetrahedron, insitu_voxel, insitu_hexahedron, insitu_wedge, insitu_pyramid, &
       insitu_fast, insitu_standard, insitu_exact, &
       insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
@@ -70,7 +71,7 @@ module insitu
       insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
       insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
       insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, insitu_memory_blank, &
-      insitu_memory_halo, insitu_memory_polyhedra, &
+      insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, &
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 

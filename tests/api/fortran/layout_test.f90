@@ -61,7 +61,7 @@ program layout_test
       c_loc(faces%cell_faces), c_loc(faces%cell_offsets)])
   call compare('block', 3, c_sizeof(block), [ &
       c_loc(block%size), c_loc(block%kind), c_loc(block%vertices), c_loc(block%origin), &
-      c_loc(block%spacing), c_loc(block%coordinates)])
+      c_loc(block%spacing), c_loc(block%coordinates), c_loc(block%first), c_loc(block%dimensions)])
   call compare('frame', 4, c_sizeof(frame), [ &
       c_loc(frame%size), c_loc(frame%kind), c_loc(frame%origin), c_loc(frame%utm_zone), &
       c_loc(frame%utm_north), c_loc(frame%angle), c_loc(frame%length), c_loc(frame%vertical)])
@@ -85,7 +85,8 @@ program layout_test
       c_loc(locate%accuracy), c_loc(locate%cell_base), c_loc(locate%cells), &
       c_loc(locate%pieces), c_loc(locate%parametric), c_loc(locate%found), c_loc(locate%reasons), &
       c_loc(locate%memory), c_loc(locate%stream), c_loc(locate%scope), c_loc(locate%ranks), &
-      c_loc(locate%global_cells)])
+      c_loc(locate%global_cells), c_loc(locate%outside), c_loc(locate%greatest_distance), &
+      c_loc(locate%distances), c_loc(locate%nearest)])
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])
@@ -169,7 +170,8 @@ contains
         insitu_error_file, insitu_error_memory, insitu_error_unsupported, &
         insitu_error_conversion, insitu_error_action, insitu_error_internal, insitu_float32, &
         insitu_float64, insitu_int32, insitu_int64, insitu_uint8, insitu_host, insitu_device, &
-        insitu_vertex, insitu_cell, insitu_tetrahedron, insitu_voxel, insitu_hexahedron, &
+        insitu_vertex, insitu_cell, insitu_triangle, insitu_pixel, insitu_quad, &
+        insitu_tetrahedron, insitu_voxel, insitu_hexahedron, &
         insitu_wedge, insitu_pyramid, insitu_fast, insitu_standard, insitu_exact, &
         insitu_method_auto, insitu_method_bvh, insitu_method_user_geometry, &
         insitu_method_replicated_faces, insitu_method_shared_faces, &
@@ -180,7 +182,7 @@ contains
         insitu_no_communicator, &
         insitu_layout_uniform, insitu_layout_mixed, insitu_layout_padded, insitu_block_uniform, &
         insitu_block_rectilinear, insitu_block_curvilinear, insitu_ghosts_vtk, &
-        insitu_ghosts_ascent, insitu_dual, insitu_nearest, insitu_frame_cartesian, &
+        insitu_ghosts_ascent, insitu_outside_none, insitu_outside_nearest, insitu_dual, insitu_nearest, insitu_frame_cartesian, &
         insitu_frame_geocentric, &
         insitu_frame_geodetic, insitu_frame_enu, insitu_frame_utm, insitu_degrees, &
         insitu_radians, insitu_metres, insitu_kilometres, insitu_up, insitu_down, &
@@ -197,7 +199,8 @@ contains
         insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
         insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
-        insitu_memory_blank, insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_count, &
+        insitu_memory_blank, insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, &
+        insitu_memory_count, &
         insitu_faces_owners, insitu_faces_cells])
       count = constants(there)
       if (count == size(here)) then
