@@ -9,7 +9,7 @@ ENDS_WITH(insitu_amr, reconstruction);
 ENDS_WITH(insitu_amr_info, by_places);
 ENDS_WITH(insitu_array, reserved);
 ENDS_WITH(insitu_audit_entry, reserved);
-ENDS_WITH(insitu_block, first);
+ENDS_WITH(insitu_block, reserved);
 ENDS_WITH(insitu_cells, reserved);
 ENDS_WITH(insitu_commit_report, reserved);
 ENDS_WITH(insitu_faces, cell_offsets);
@@ -23,6 +23,7 @@ ENDS_WITH(insitu_report, bytes_sent);
 ENDS_WITH(insitu_sample_args, values);
 ENDS_WITH(insitu_session_options, preview);
 ENDS_WITH(insitu_validation, covered_vertices);
+ENDS_WITH(insitu_vertices_args, places);
 #undef ENDS_WITH
 
 namespace insitu::core::detail {

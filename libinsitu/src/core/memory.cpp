@@ -16,7 +16,8 @@ const char* purpose_name(insitu_purpose purpose) {
   static constexpr const char* names[] = {
       "tree",       "build",        "ranges",          "earlier_step",   "query", "tracers",
       "frames",     "converted",    "embree",          "device",         "amr",   "gathered_fields",
-      "geocentric", "chart_copies", "face_neighbours", "blanked_fields", "halo",  "polyhedra"};
+      "geocentric", "chart_copies", "face_neighbours", "blanked_fields", "halo",  "polyhedra",
+      "flat"};
   static_assert(std::size(names) == INSITU_MEMORY_COUNT);
   return purpose >= 0 && purpose < INSITU_MEMORY_COUNT ? names[purpose] : "unknown";
 }
