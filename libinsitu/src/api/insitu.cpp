@@ -238,6 +238,13 @@ insitu_status insitu_mesh_sample(insitu_mesh mesh, const insitu_sample_args* arg
   });
 }
 
+insitu_status insitu_mesh_nearest_vertices(insitu_mesh mesh, const insitu_vertices_args* args) {
+  return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {
+    require(args, "args");
+    s.nearest_vertices(m, *args);
+  });
+}
+
 insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field, const double point[3],
                                        double* values, int32_t* found) {
   return with_session_mesh(mesh, [&](api::Session& s, api::SessionMesh& m) {

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "api/query_args.h"
 #include "api/session.h"
+#include "commit/nearest.h"
 #include "core/caller_struct.h"
 #include "core/timer.h"
 #include "scene/earth/reference_frames.h"
@@ -34,7 +36,8 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
     return (at ? at.cell - view.first_cell[piece_of(at)] : -1) + args.cell_base;
   });
   put(args.pieces, [&](std::size_t k) { return piece_of(answered.locations[k]); });
-  put(args.found, [&](std::size_t k) { return std::uint8_t(answered.locations[k] ? 1 : 0); });
+  put(args.found,
+      [&](std::size_t k) { return std::uint8_t(answered.reasons[k] != query::Reason::outside); });
   put(args.reasons, [&](std::size_t k) { return std::uint8_t(answered.reasons[k]); });
   put(args.ranks, [&](std::size_t k) { return answered.locations[k] ? rank : -1; });
   put(args.global_cells, [&](std::size_t k) {
@@ -50,47 +53,82 @@ void put_answers(const query::Answered& answered, std::size_t first, const mesh:
   }
 }
 
-/// The same of cells that are not the solver's own.
-void put_own_answers(const commit::CommittedMesh& mesh, const query::Answered& answered,
-                     std::span<const math::Vec3d> points, std::size_t first, int rank,
-                     const insitu_locate_args& args) {
-  if (!args.cells && !args.pieces && !args.parametric && !args.global_cells) // others are the same
-    return put_answers(answered, first, mesh.mesh(), rank, args);
-  std::vector<query::Location> own(answered.locations.size());
-  for (std::size_t k = 0; k < own.size(); ++k)
-    own[k] = mesh.own_here(answered.locations[k], points[answered.item(k)]);
-  query::Answered as_own = answered;
-  as_own.locations = own;
-  put_answers(as_own, first, mesh.mesh(), rank, args);
-}
-
-/// Answers of which those in a halo's cells are outside: a query is of this process's own.
+/// Answers of which those in a halo's cells are outside, since a query is of this process's own,
+/// and those outside are the nearest cells, where these are asked for.
 class OwnAnswers {
 public:
-  explicit OwnAnswers(const commit::CommittedMesh& mesh) : mesh_(mesh) {}
+  /// nearest: null: not asked for. farthest: for them.
+  OwnAnswers(const commit::CommittedMesh& mesh, const query::NearestCells* nearest, double farthest)
+      : mesh_(mesh), nearest_(nearest), farthest_(farthest) {}
 
-  /// The result is valid as long as the object and what was given.
+  /// The results are valid as long as the object and what was given.
   query::Answered of(const query::Answered& answered, std::span<const math::Vec3d> points) {
     query::Answered own = answered;
-    if (!mesh_.halo())
+    if (!mesh_.halo() && !nearest_)
       return own;
     locations_.assign(answered.locations.begin(), answered.locations.end());
     reasons_.assign(answered.reasons.begin(), answered.reasons.end());
-    for (std::size_t k = 0; k < locations_.size(); ++k)
+    for (std::size_t k = 0; mesh_.halo() && k < locations_.size(); ++k)
       if (!mesh_.own_here(locations_[k], points[answered.item(k)])) {
         locations_[k] = {};
         reasons_[k] = query::Reason::outside;
       }
+    if (nearest_) {
+      find_nearest(answered, points);
+      own.one_by_one = {}; // the nearest cells' were
+    }
     own.locations = locations_;
     own.reasons = reasons_;
     return own;
   }
+  /// The same, given by of(), in the solver's own cells.
+  query::Answered as_own(const query::Answered& answered, std::span<const math::Vec3d> points) {
+    own_.resize(answered.locations.size());
+    for (std::size_t k = 0; k < own_.size(); ++k)
+      own_[k] = nearest_ && answered.reasons[k] == query::Reason::outside
+                    ? near_[k].at
+                    : mesh_.own_here(answered.locations[k], points[answered.item(k)]);
+    query::Answered as_own = answered;
+    as_own.locations = own_;
+    return as_own;
+  }
+  /// [answer] given by of().
+  std::span<const commit::NearestOwn> near() const { return near_; }
 
 private:
+  void find_nearest(const query::Answered& answered, std::span<const math::Vec3d> points) {
+    near_.resize(locations_.size());
+    for (std::size_t k = 0; k < locations_.size(); ++k) {
+      const math::Vec3d& p = points[answered.item(k)];
+      if (reasons_[k] != query::Reason::outside) {
+        near_[k] = {{}, p, 0.0};
+        continue;
+      }
+      const query::NearestCell found = nearest_->find(p, farthest_);
+      near_[k] = commit::own_of(mesh_, found);
+      locations_[k] = near_[k].at ? found.at : query::Location{};
+    }
+  }
+
   const commit::CommittedMesh& mesh_;
-  std::vector<query::Location> locations_;
+  const query::NearestCells* nearest_;
+  double farthest_;
+  std::vector<query::Location> locations_, own_;
   std::vector<query::Reason> reasons_;
+  std::vector<commit::NearestOwn> near_;
 };
+
+/// How far the cells that answer are, where nearest ones are asked for.
+void put_nearest(const query::Answered& answered, std::span<const commit::NearestOwn> near,
+                 std::size_t first, const insitu_locate_args& args) {
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const std::size_t i = first + answered.item(k);
+    if (args.distances)
+      args.distances[i] = near[k].distance;
+    for (int c = 0; args.nearest && c < 3; ++c)
+      args.nearest[3 * i + std::size_t(c)] = near[k].place[c];
+  }
+}
 
 } // namespace
 
@@ -126,6 +164,8 @@ void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args
                      double* const* values) {
   if (args.memory == INSITU_DEVICE)
     return answer_in_device_memory(mesh, args, points, fields, values);
+  if (args.outside == INSITU_OUTSIDE_NEAREST)
+    commit::require_nearest(mesh);
   if (mesh.device())
     return answer_by_device(mesh, args, points, fields, values);
   query::LocateOptions options;
@@ -135,15 +175,17 @@ void Session::answer(const commit::CommittedMesh& mesh, const insitu_locate_args
   const bool counts_otherwise = mesh.mesh().has_stand_in();
   options.coordinates =
       args.parametric || args.reasons || counts_otherwise || sampler.takes_coordinates(fields);
+  std::optional<query::NearestCells> nearest;
+  if (args.outside == INSITU_OUTSIDE_NEAREST)
+    nearest.emplace(sampler);
   const std::int64_t outside = mesh.locate_counts().totals()[std::size_t(query::Reason::outside)];
   for_each_slice(mesh, args, points, [&](std::int64_t first, std::span<const math::Vec3d> some) {
     sampler.visit(context_.threads, some, options, [&](const query::Answered& of_all) {
-      OwnAnswers own(mesh);
+      OwnAnswers own(mesh, nearest ? &*nearest : nullptr, farthest_of(args.greatest_distance));
       const query::Answered answered = own.of(of_all, some);
-      if (counts_otherwise)
-        put_own_answers(mesh, answered, some, std::size_t(first), rank, args);
-      else
-        put_answers(answered, std::size_t(first), mesh.mesh(), rank, args);
+      put_answers(counts_otherwise ? own.as_own(answered, some) : answered, std::size_t(first),
+                  mesh.mesh(), rank, args);
+      put_nearest(answered, own.near(), std::size_t(first), args);
       if (!fields.empty())
         sampler.interpolate(fields, answered, std::size_t(first), values);
     });

@@ -1,5 +1,7 @@
 #include "api/query_args.h"
 
+#include <limits>
+
 #include "core/caller_struct.h"
 
 namespace insitu::api {
@@ -27,6 +29,15 @@ QueryPoints::QueryPoints(const insitu_locate_args& args) {
       (args.scope == INSITU_SCOPE_EVERYWHERE || args.ranks || args.global_cells))
     throw Error(INSITU_ERROR_UNSUPPORTED,
                 "scope, ranks, global_cells: other processes' cells are asked on the host");
+  if (args.outside != INSITU_OUTSIDE_NONE && args.outside != INSITU_OUTSIDE_NEAREST)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "outside: unknown value " + std::to_string(int(args.outside)));
+  require_distance(args.greatest_distance);
+  if (args.outside == INSITU_OUTSIDE_NONE && (args.distances || args.nearest))
+    throw Error(INSITU_ERROR_ARGUMENT, std::string(args.distances ? "distances" : "nearest") +
+                                           ": asked for without INSITU_OUTSIDE_NEAREST");
+  if (args.outside == INSITU_OUTSIDE_NEAREST && args.memory == INSITU_DEVICE)
+    throw Error(INSITU_ERROR_UNSUPPORTED, "outside: nearest cells are found on the host");
   for (int i = 0; i < args.point_arrays; ++i) {
     if (args.points[i].memory != args.memory)
       throw Error(INSITU_ERROR_ARGUMENT,
@@ -69,6 +80,16 @@ void QueryPoints::gather(std::int64_t first, std::span<math::Vec3d> out,
   });
 }
 
+void require_distance(double greatest_distance) {
+  if (!(greatest_distance >= 0.0))
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "greatest_distance: " + std::to_string(greatest_distance) + ", 0 or more expected");
+}
+
+double farthest_of(double greatest_distance) {
+  return greatest_distance > 0.0 ? greatest_distance : std::numeric_limits<double>::infinity();
+}
+
 void require_field_lists(const insitu_sample_args& args) {
   if (args.field_count < 0 || (args.field_count > 0 && (!args.fields || !args.values)))
     throw Error(INSITU_ERROR_ARGUMENT, "field_count is " + std::to_string(args.field_count) +
@@ -84,6 +105,8 @@ QueryOutputs::QueryOutputs(const insitu_locate_args& args, std::int64_t count) {
   add(args.reasons, count, "reasons");
   add(args.ranks, count * std::int64_t(sizeof *args.ranks), "ranks");
   add(args.global_cells, count * std::int64_t(sizeof *args.global_cells), "global_cells");
+  add(args.distances, count * std::int64_t(sizeof *args.distances), "distances");
+  add(args.nearest, count * 3 * std::int64_t(sizeof *args.nearest), "nearest");
 }
 
 void QueryOutputs::add(const void* data, std::int64_t bytes, std::string name) {

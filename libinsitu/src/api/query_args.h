@@ -30,6 +30,11 @@ private:
   std::vector<mesh::ExternalArray> arrays_;
 };
 
+/// Throws core::Error for a number below 0, or none.
+void require_distance(double greatest_distance);
+/// The distance that a caller's number stands for: 0 is any.
+double farthest_of(double greatest_distance);
+
 /// Throws core::Error unless there are as many fields as said.
 void require_field_lists(const insitu_sample_args& args);
 

@@ -60,6 +60,7 @@ public:
   void choose_locator(SessionMesh& mesh, const insitu_locator* locator);
   void locate(SessionMesh& mesh, const insitu_locate_args& args);
   void sample(SessionMesh& mesh, const insitu_sample_args& args);
+  void nearest_vertices(SessionMesh& mesh, const insitu_vertices_args& args);
   void advance(SessionMesh& mesh, const insitu_advance_args& args);
   bool sample_point(SessionMesh& mesh, const std::string& field, const double* point,
                     double* values);
@@ -91,6 +92,9 @@ private:
   void answer_by_device(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                         const QueryPoints& points, std::span<const mesh::FieldView> fields,
                         double* const* values);
+  /// The points of a query in the mesh's frame.
+  std::vector<math::Vec3d> points_of(const commit::CommittedMesh& mesh,
+                                     const insitu_locate_args& args, const QueryPoints& given);
   /// Calls visit(first, points) for slices of points, as doubles in the mesh's frame.
   void for_each_slice(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
                       const QueryPoints& points,

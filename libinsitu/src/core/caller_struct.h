@@ -52,6 +52,7 @@ INSITU_CALLER_STRUCT(insitu_report);
 INSITU_CALLER_STRUCT(insitu_sample_args);
 INSITU_CALLER_STRUCT(insitu_session_options);
 INSITU_CALLER_STRUCT(insitu_validation);
+INSITU_CALLER_STRUCT(insitu_vertices_args);
 
 template <>
 inline constexpr bool keeps_size<insitu_array> = true;
