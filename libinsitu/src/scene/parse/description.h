@@ -104,6 +104,8 @@ struct Probe {
   std::vector<Name> fields; ///< empty: all fields of the mesh
   Attached attached = Attached::lab;
   insitu_accuracy accuracy = INSITU_EXACT;
+  insitu_outside outside = INSITU_OUTSIDE_NONE; ///< what points that no cell holds get
+  double greatest_distance = 0.0;               ///< 0: any
   std::vector<TableFormat> output{TableFormat::csv};
   Trigger trigger; ///< the trigger of the probe itself, or else that of the scene
   int line = 0;

@@ -317,8 +317,18 @@ void parse_tables(const MapReader& map, Tracer& tracer) {
 Probe parse_probe(const Cursor& cursor, ParseContext& context) {
   Probe probe;
   const MapReader map(cursor, {"name", "mesh", "points", "frame", "fields", "attached", "accuracy",
-                               "output", "every", "when"});
+                               "outside", "greatest_distance", "output", "every", "when"});
   parse_common(map, context, "points", probe.points, probe.points_line, probe);
+  if (const auto outside = map.find("outside")) {
+    assign(probe.outside, outside->choice<insitu_outside>({{"none", INSITU_OUTSIDE_NONE},
+                                                           {"nearest", INSITU_OUTSIDE_NEAREST}}));
+  }
+  if (const auto distance = map.find("greatest_distance")) {
+    assign(probe.greatest_distance, distance->number(positive));
+    if (probe.outside == INSITU_OUTSIDE_NONE) {
+      distance->fail("says how far the nearest cell may be; 'outside: nearest' asks for it");
+    }
+  }
   if (probe.attached == Attached::body && std::holds_alternative<Curtain>(probe.points)) {
     map.find("attached")
         ->fail("a curtain stands where it is; its points do not go with the "

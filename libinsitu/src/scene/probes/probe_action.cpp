@@ -1,6 +1,7 @@
 #include "scene/probes/probe_action.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/timer.h"
 #include "scene/run/lookup.h"
@@ -91,8 +92,12 @@ void ProbeAction::execute(commit::CommittedMesh& mesh, const Step& step, bool du
   }
   const std::vector<mesh::FieldView> fields =
       find_fields(mesh, probe_.fields, environment_.scene_file, world);
+  std::optional<double> farthest;
+  if (probe_.outside == INSITU_OUTSIDE_NEAREST)
+    farthest = probe_.greatest_distance > 0.0 ? probe_.greatest_distance
+                                              : std::numeric_limits<double>::infinity();
   const ProbeAnswers answers =
-      answer_points({mesh, fields, options, names.global, moves() ? &attached_ : nullptr},
+      answer_points({mesh, fields, options, names.global, moves() ? &attached_ : nullptr, farthest},
                     points_->mesh_points, world, environment_.context.threads);
   s.points_located += std::int64_t(answers.cells.size());
   s.points_outside += std::count_if(answers.cells.begin(), answers.cells.end(),

@@ -1,9 +1,11 @@
 #include "scene/probes/probe_answers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "commit/halo/everywhere.h"
 #include "mesh/box.h"
 #include "scene/run/growing_table.h"
 
@@ -57,7 +59,10 @@ void answer(const ProbeQuestion& q, Slice& slice, const parallel::World& world,
   const auto put = [&](std::size_t i, const query::Location& at) {
     if (!at || (world.size() > 1 && !sampler.owns(at.cell)))
       return;
-    sampler.interpolate(q.fields, at, slice.values.data() + i * slice.width);
+    double* const values = slice.values.data() + i * slice.width;
+    sampler.interpolate(q.fields, at, values);
+    if (q.farthest)
+      values[slice.width - 1] = 0.0;
     const query::Location own = q.mesh.own(at, slice.points[i]);
     slice.cells[i] = own_cell(q.mesh, at.cell, slice.points[i], world);
     if (q.mesh.stand_in())
@@ -135,6 +140,48 @@ void merge(const std::vector<parallel::Parcel>& parcels, std::size_t width, bool
     }
 }
 
+/// Gives points that no process's cells hold, as the root knows, the nearest cell.
+void add_nearest(const ProbeQuestion& question, std::span<const math::Vec3d> points,
+                 parallel::World& world, const core::Threads& threads, ProbeAnswers& all) {
+  std::vector<std::size_t> outside;
+  std::vector<math::Vec3d> places;
+  std::vector<std::string> names;
+  world.agree_after([&] {
+    for (const mesh::FieldView& field : question.fields)
+      names.emplace_back(field.name);
+    for (std::size_t i = 0; world.is_root() && i < points.size(); ++i)
+      if (!all.found(i)) {
+        outside.push_back(i);
+        places.push_back(points[i]);
+      }
+  });
+  std::int64_t any = !outside.empty();
+  world.reduce(std::span(&any, 1), parallel::Reduction::greatest);
+  if (!any)
+    return;
+  const std::size_t width = all.columns.size();
+  const auto put = [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                       std::span<const commit::NearnessOfAll> nearness,
+                       std::span<const double> values) {
+    for (std::size_t k = 0; k < owners.size(); ++k) {
+      if (!owners[k])
+        continue;
+      const std::size_t i = outside[first + k];
+      const mesh::CellName& cell = owners[k].cell;
+      // Files of several processes name the process and its piece, or there is one piece.
+      const std::int64_t flat =
+          cell.cell +
+          (world.size() > 1 ? 0 : question.mesh.mesh().own_view().first_cell[cell.piece]);
+      all.cells[i] = {cell.piece, cell.cell, flat, cell.global, cell.rank, cell.chart};
+      all.parametric[i] = owners[k].parametric;
+      double* const to = all.values.data() + i * width;
+      std::copy_n(values.begin() + std::ptrdiff_t(k * (width - 1)), width - 1, to);
+      to[width - 1] = std::sqrt(nearness[k].squared);
+    }
+  };
+  commit::Everywhere(question.mesh, world).nearest(places, names, *question.farthest, threads, put);
+}
+
 } // namespace
 
 ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3d>& points,
@@ -147,6 +194,8 @@ ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3
     for (const mesh::FieldView& f : question.fields)
       for (std::string& column : component_names(f))
         all.columns.push_back(std::move(column));
+    if (question.farthest)
+      all.columns.emplace_back("distance_to_cell");
     width = all.columns.size();
     if (world.size() == 1) {
       Slice whole{0, points, width, {}, {}, {}};
@@ -171,6 +220,8 @@ ProbeAnswers answer_points(const ProbeQuestion& question, std::vector<math::Vec3
     const std::vector<parallel::Parcel> told = world.exchange(mine);
     merge(told, width, question.by_ids, all, points);
   }
+  if (question.farthest)
+    add_nearest(question, points, world, threads, all);
   return all;
 }
 
