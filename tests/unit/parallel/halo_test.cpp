@@ -334,6 +334,36 @@ TEST(Everywhere, AnswersAsOneProcessDoes) {
   }
 }
 
+/// Of the vertices that processes share each counts once, with global ids.
+TEST(Everywhere, NearestVerticesAreThoseOfOneProcess) {
+  const test::TestMesh whole = mesh_of(3);
+  const std::vector<Vec3d> points = hard_points(whole);
+  using Found = std::vector<query::NearVertex>;
+  for (const std::size_t most : {1u, 9u}) {
+    std::vector<Found> truth(points.size());
+    test::run_processes(1, [&](parallel::World& world) {
+      const Process p(whole, fixtures::slabs(whole, 1), world);
+      commit::Everywhere(p.mesh, world)
+          .nearest_vertices(points, most, 3.0, p.threads,
+                            [&](std::size_t i, const Found& found) { truth[i] = found; });
+    });
+    for (const fixtures::Partition& partition : fixtures::partitions(whole, 4))
+      test::run_processes(4, [&](parallel::World& world) {
+        const Process p(whole, partition, world);
+        const std::span<const Vec3d> asked =
+            world.rank() == 2 ? std::span<const Vec3d>(points) : std::span<const Vec3d>();
+        commit::Everywhere(p.mesh, world)
+            .nearest_vertices(asked, most, 3.0, p.threads, [&](std::size_t i, const Found& found) {
+              ASSERT_EQ(found.size(), truth[i].size()) << partition.name << ", point " << i;
+              for (std::size_t k = 0; k < found.size(); ++k) {
+                EXPECT_EQ(found[k].global, truth[i][k].global) << partition.name << i;
+                EXPECT_EQ(found[k].squared, truth[i][k].squared) << partition.name << i;
+              }
+            });
+      });
+  }
+}
+
 TEST(Everywhere, NamesAFieldThatNobodyHas) {
   const test::TestMesh whole = mesh_of(0);
   for (const fixtures::Partition& partition : fixtures::partitions(whole, 3))

@@ -132,7 +132,7 @@ TEST(ProcessAdaptive, ProbesAndConditions) {
       "insitu: 1\npage: false\n"
       "probes:\n"
       "  - {name: line, points: {line: {from: [-0.2, 0.3, 0.1], to: [4.1, 3.7, 3.9], count: 60}},\n"
-      "     fields: [s, v]}\n"
+      "     fields: [s, v], outside: nearest}\n"
       "  - {name: seams, points: {plane: {origin: [0, 0, 2], u: [4, 0, 0], v: [0, 4, 0], counts: "
       "[9, 9]}},\n"
       "     fields: [s], when: max(s) > 0.5 and mean(s) < 10}\n";

@@ -92,8 +92,8 @@ const char* const seeds = "{box: {min: [-180, -90, -3.9], max: [180, 90, 0], cou
 TEST(ProcessEarth, ProbesAndConditionsAreThoseOfOneProcess) {
   expect_files_of_one(
       "insitu: 1\npage: false\nprobes:\n"
-      "  - {name: seam, points: {box: {min: [-360, -90, -3.9], max: [360, 90, 0], counts: [37, "
-      "13, 3]}}, fields: [p, w, c], output: [csv, netcdf]}\n"
+      "  - {name: seam, points: {box: {min: [-360, -90, -3.9], max: [360, 90, 0.1], counts: [37, "
+      "13, 3]}}, fields: [p, w, c], outside: nearest, output: [csv, netcdf]}\n"
       "  - {name: way, points: {transect: {from: [-170, 70, -0.1], to: [20, 75, -0.1], count: "
       "30}}, fields: [p], when: 'mean(p) > -1e9 and max(c) < 2'}\n",
       {2, 3, 4, 8}, 2, "seam.csv");

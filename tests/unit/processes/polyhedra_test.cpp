@@ -86,7 +86,7 @@ struct FacePart {
 const char* const scene = R"(insitu: 1
 page: false
 probes:
-  - {name: probes, points: {box: {min: [0, 0, 0], max: [3, 3, 3], counts: [4, 5, 4]}}, fields: [p, u, c]}
+  - {name: probes, points: {box: {min: [0, 0, -0.5], max: [3, 3, 3], counts: [4, 5, 4]}}, fields: [p, u, c], outside: nearest}
 tracers:
   - {name: paths, velocity: u, kind: pathline, seeds: {box: {min: [0.5, 0.5, 0.5], max: [2.5, 2.5, 2.5], counts: [4, 4, 3]}}, fields: [p, c], output: [csv, vtp]}
   - {name: kept, velocity: u, seeds: {box: {min: [1, 1, 1], max: [2, 2, 2], counts: [3, 2, 2]}}, effects: [{boundary: slide}], output: [csv]}

@@ -40,7 +40,12 @@ std::string scene_of(const TestMesh& whole, const OwnFolder& folder) {
          "  - {name: curtain, points: {curtain: {through: [[0, 0], [5, 5], [5, 0]], count: 20, "
          "levels: [0, 1, 2.5, 5]}}, output: [csv, vtp, json, netcdf], fields: [p]}\n"
          "  - {name: gauges, points: " +
-         (folder / "gauges.csv") + ", output: [csv, netcdf], accuracy: exact}\n";
+         (folder / "gauges.csv") +
+         ", output: [csv, netcdf], accuracy: exact}\n"
+         "  - {name: near, points: {box: {min: [-2, -2, -2], max: [7, 7, 7], counts: [7, 7, 7]}}, "
+         "outside: nearest, greatest_distance: 2.5, fields: [u, c], every: 4, output: [csv, vtp, "
+         "json, "
+         "netcdf]}\n";
 }
 
 const Act four_cycles = [](PartSession& process, parallel::World&) {
@@ -76,6 +81,26 @@ TEST(ProcessProbes, FilesAreThoseOfOneProcessToTheByte) {
     for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
       expect_same(expected, run_parts(whole, partition, options, four_cycles),
                   partition.name + " on " + std::to_string(processes));
+}
+
+/// The distance is 0 inside, that to the nearest cell outside, and empty beyond the greatest one.
+TEST(ProcessProbes, PointsOutsideHaveTheNearestCell) {
+  const TestMesh whole = jittered_cubes();
+  PartSession::Options options;
+  options.scene = "insitu: 1\npage: false\nprobes:\n"
+                  "  - {name: near, points: [[2, 2, 2], [-3, 2.5, 2.5], [2, 2, 40]], fields: [c], "
+                  "outside: nearest, greatest_distance: 4}\n";
+  for (const int processes : {1, 2}) {
+    const auto rows = rows_of(
+        run_parts(whole, fixtures::slabs(whole, processes), options, four_cycles).at("near.csv"));
+    ASSERT_EQ(rows.size(), 13u);
+    EXPECT_EQ(rows[0].back(), "distance_to_cell");
+    EXPECT_EQ(rows[1].back(), "0");
+    EXPECT_NEAR(std::stod(rows[2].back()), 3.0, 0.2); // vertices are jittered
+    EXPECT_NE(rows[2][3], "-1");
+    EXPECT_EQ(rows[3].back(), "");
+    EXPECT_EQ(rows[3][3], "-1");
+  }
 }
 
 /// Without global ids tables name the process, and what a point's row says is right.
