@@ -83,6 +83,66 @@ TEST(BadQueries, PointsThatAreNoPlaceAreOutside) {
   }
 }
 
+TEST(BadQueries, NearestCellsAndVertices) {
+  Box box;
+  std::vector<double> xyz{0.5,      0.5, 0.5, 9,     0.5, 0.5, not_a_number, 0, 0,
+                          infinite, 0,   0,   1e300, 0,   0};
+  const insitu_array points = insitu_array_of(xyz.data(), INSITU_FLOAT64, 5, 3);
+  insitu_locate_args args = insitu_locate_args_default();
+  args.points = &points;
+  std::int64_t cells[5];
+  double distances[5], nearest[15];
+  std::uint8_t found[5];
+  args.cells = cells;
+  args.found = found;
+  args.distances = distances;
+  EXPECT_REFUSED(insitu_mesh_locate(box.mesh, &args), INSITU_ERROR_ARGUMENT,
+                 "distances: asked for without INSITU_OUTSIDE_NEAREST");
+  args.outside = insitu_outside(2);
+  EXPECT_REFUSED(insitu_mesh_locate(box.mesh, &args), INSITU_ERROR_ARGUMENT,
+                 "outside: unknown value 2");
+  args.outside = INSITU_OUTSIDE_NEAREST;
+  for (const double bad : {-1.0, not_a_number}) {
+    args.greatest_distance = bad;
+    EXPECT_REFUSED(insitu_mesh_locate(box.mesh, &args), INSITU_ERROR_ARGUMENT, "greatest_distance");
+  }
+  args.greatest_distance = 0;
+  args.nearest = distances;
+  EXPECT_REFUSED(insitu_mesh_locate(box.mesh, &args), INSITU_ERROR_ARGUMENT, "nearest overlaps");
+  args.nearest = nearest;
+  ASSERT_EQ(insitu_mesh_locate(box.mesh, &args), INSITU_OK) << message();
+  EXPECT_TRUE(cells[0] >= 0 && cells[1] >= 0 && cells[2] < 0 && cells[3] < 0);
+  EXPECT_TRUE(found[0] == 1 && found[1] == 0);
+  EXPECT_EQ(distances[0], 0.0);
+  EXPECT_GT(distances[1], 1.0);
+  EXPECT_EQ(nearest[0], 0.5);
+  EXPECT_TRUE(std::isnan(distances[2]) && std::isnan(nearest[6]) && std::isnan(distances[3]));
+  EXPECT_TRUE(cells[4] < 0 || distances[4] > 1e299); // beyond any mesh, at any distance
+
+  insitu_vertices_args near = insitu_vertices_args_default();
+  near.points = &points;
+  std::int64_t vertices[10];
+  near.vertices = vertices;
+  near.distances = distances; // room for one a point
+  for (const std::int32_t bad : {0, -3}) {
+    near.nearest = bad;
+    EXPECT_REFUSED(insitu_mesh_nearest_vertices(box.mesh, &near), INSITU_ERROR_ARGUMENT,
+                   "at least 1 expected");
+  }
+  near.nearest = 1;
+  near.vertex_base = 2;
+  EXPECT_REFUSED(insitu_mesh_nearest_vertices(box.mesh, &near), INSITU_ERROR_ARGUMENT,
+                 "vertex_base: 2, 0 or 1 expected");
+  near.vertex_base = 1;
+  near.greatest_distance = 20;
+  ASSERT_EQ(insitu_mesh_nearest_vertices(box.mesh, &near), INSITU_OK) << message();
+  EXPECT_TRUE(vertices[0] > 0 && vertices[1] > 0 && vertices[2] == 0 && vertices[3] == 0);
+  EXPECT_TRUE(std::isnan(distances[2]));
+  near.size = 7;
+  EXPECT_EQ(insitu_mesh_nearest_vertices(box.mesh, &near), INSITU_ERROR_ARGUMENT);
+  EXPECT_EQ(insitu_mesh_nearest_vertices(box.mesh, nullptr), INSITU_ERROR_ARGUMENT);
+}
+
 TEST(BadQueries, EveryOutputMayBeNull) {
   Box box;
   const double xyz[] = {0.5, 0.5, 0.5, 9, 9, 9};

@@ -30,6 +30,7 @@ program layout_test
   type(c_audit_entry), target :: audit
   type(c_locate_args), target :: locate
   type(c_sample_args), target :: sample
+  type(c_vertices_args), target :: vertices
   type(insitu_report), target :: report
   type(c_locator), target :: locator
   type(c_locator_info), target :: info
@@ -90,6 +91,12 @@ program layout_test
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])
+  call compare('vertices', 18, c_sizeof(vertices), [ &
+      c_loc(vertices%size), c_loc(vertices%points), c_loc(vertices%point_arrays), &
+      c_loc(vertices%nearest), c_loc(vertices%frame), c_loc(vertices%greatest_distance), &
+      c_loc(vertices%scope), c_loc(vertices%vertex_base), c_loc(vertices%vertices), &
+      c_loc(vertices%pieces), c_loc(vertices%ranks), c_loc(vertices%global_vertices), &
+      c_loc(vertices%distances), c_loc(vertices%places)])
   call compare('report', 10, c_sizeof(report), [ &
       c_loc(report%size), c_loc(report%executions), c_loc(report%commit_s), &
       c_loc(report%query_s), c_loc(report%advect_s), c_loc(report%render_s), &

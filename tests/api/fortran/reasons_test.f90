@@ -1,5 +1,6 @@
 !> Why points have their owners: centres, faces, edges and vertices of a box of dyadic cells, outside.
 program reasons_test
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: int32, int64, real32, real64
   use checks
   use insitu
@@ -21,11 +22,50 @@ program reasons_test
   call mesh%commit(ierr)
   call expect_ok('commit', session, ierr)
   call ask()
+  call ask_nearest()
   call choose()
   call session%close(ierr)
   call finish_checks()
 
 contains
+
+  !> Beside the middle of the side x = nx, and far away: the last cell of that row, and none.
+  subroutine ask_nearest()
+    real(real64), parameter :: points(3, 3) = reshape( &
+        [real(real64) :: nx + 0.5, 0.25, 1.0, nx + 50.0, 0.25, 1.0, nx - 0.5, 0.25, 1.0], [3, 3])
+    real(real64), parameter :: tiny_length = 1.0e-12_real64
+    integer(int64) :: cells(3), vertices(2, 3)
+    real(real64) :: distances(3), values(3), apart(2, 3)
+    real(real64), target :: numbers(n)
+    logical :: found(3)
+    integer :: i
+
+    call mesh%locate(points, cells, ierr, found=found, distances=distances, greatest_distance=1.0_real64)
+    call expect_ok('nearest cells', session, ierr)
+    call expect('the nearest cells', all(cells == [int(nx, int64), 0_int64, int(nx, int64)]))
+    call expect('none of them is found but the one inside', &
+                all(found .eqv. [.false., .false., .true.]))
+    call expect('their distances', all(abs(distances(1:3:2) - [0.5_real64, 0.0_real64]) < tiny_length))
+    call expect('no distance to what is too far away', ieee_is_nan(distances(2)))
+    numbers = [(real(i, real64), i=1, n)]
+    call mesh%cell_field('number', numbers, ierr)
+    call mesh%commit(ierr)
+    call mesh%sample('number', points(1, :), points(2, :), points(3, :), values, ierr, &
+                     distances=distances)
+    call expect_ok('samples of the nearest cells', session, ierr)
+    call expect('their values', all(abs(values - nx) < tiny_length))
+    call expect('a great distance', abs(distances(2) - 50.0_real64) < tiny_length)
+    call mesh%nearest_vertices(points, vertices, ierr, distances=apart)
+    call expect_ok('nearest vertices', session, ierr)
+    do i = 1, 3
+      call expect('distances of vertices', all(abs(apart(:, i) - &
+                  [norm2(xyz(:, vertices(1, i)) - points(:, i)), &
+                   norm2(xyz(:, vertices(2, i)) - points(:, i))]) < tiny_length))
+    end do
+    call mesh%nearest_vertices(points, vertices(:, :2), ierr)
+    call expect_error('room for vertices', session, ierr, insitu_error_argument, &
+                      'nearest_vertices: vertices|2|3')
+  end subroutine ask_nearest
 
   !> Another locator gives the same owners; what cannot be had is said.
   subroutine choose()

@@ -1,6 +1,7 @@
 /// Samples of attached data sets against vtkProbeFilter and against the known fields.
 
 #include <gtest/gtest.h>
+#include <vtkCellLocator.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
 #include <vtkPolyData.h>
@@ -181,4 +182,50 @@ TEST(VtkProbe, OneArrayAComponent) {
   for (std::size_t q = 0; q < s.size(); ++q)
     for (int c = 0; s.found[q] && c < 3; ++c)
       EXPECT_NEAR(s(q, c), (c + 1) * xyz[3 * q + std::size_t(c)], 1e-10);
+}
+
+/// Of tetrahedra, whose faces are flat, VTK's distance is right to rounding; its cell is any of
+/// those at that distance.
+TEST(Nearest, AsVtksClosestPoint) {
+  const int n = 4;
+  vtkNew<vtkUnstructuredGrid> grid;
+  const vtkSmartPointer<vtkPoints> vertices = grid_points(n, 0.25);
+  grid->SetPoints(vertices);
+  grid->Allocate(6 * n * n * n);
+  constexpr int tetrahedra[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                    {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        const auto c = corners(n, i, j, k);
+        for (const auto& t : tetrahedra) {
+          const vtkIdType ids[4] = {c[std::size_t(t[0])], c[std::size_t(t[1])],
+                                    c[std::size_t(t[2])], c[std::size_t(t[3])]};
+          grid->InsertNextCell(VTK_TETRA, 4, ids);
+        }
+      }
+  insitu::Session session;
+  insitu::Mesh mesh = session.mesh("m");
+  const insitu::vtk::Attachment attachment = insitu::vtk::attach(mesh, grid);
+  mesh.commit();
+  std::vector<double> xyz;
+  Random random(5);
+  for (int i = 0; i < 300; ++i)
+    for (int a = 0; a < 3; ++a)
+      xyz.push_back(3.0 * n * random() - n);
+  insitu::LocateOptions options;
+  options.nearest = true;
+  const insitu::Locations ours = mesh.locate(xyz, options);
+  vtkNew<vtkCellLocator> locator;
+  locator->SetDataSet(grid);
+  locator->BuildLocator();
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    double closest[3], squared = 0.0;
+    vtkIdType cell = -1;
+    int part = -1;
+    locator->FindClosestPoint(&xyz[3 * i], closest, cell, part, squared);
+    EXPECT_NEAR(ours.distances[i], std::sqrt(squared), 1e-12) << i;
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(ours.nearest[3 * i + a], closest[a], 1e-12) << i;
+  }
 }

@@ -116,6 +116,13 @@ TEST(SceneErrors, Probes) {
   EXPECT_HAS(probe_error("every: 0"), "probes[0].every: an integer from 1");
 }
 
+TEST(SceneErrors, NearestCells) {
+  EXPECT_HAS(test::error_of(test::probe("outside: near")), "nearest");
+  EXPECT_HAS(test::error_of(test::probe("outside: nearest, greatest_distance: 0")),
+             "greatest_distance");
+  EXPECT_HAS(test::error_of(test::probe("greatest_distance: 3")), "'outside: nearest' asks for it");
+}
+
 TEST(SceneErrors, Points) {
   EXPECT_HAS(points_error("[]"), "probes[0].points: at least one point expected");
   EXPECT_HAS(points_error("[1, 2, 3]"),

@@ -94,6 +94,10 @@ TEST(SceneKeys, ProbeKeys) {
   const std::vector<TableFormat> formats{TableFormat::vtp, TableFormat::csv, TableFormat::json};
   EXPECT_EQ(probe.output, formats);
   EXPECT_EQ(parse(test::probe("accuracy: standard")).probes[0].accuracy, INSITU_STANDARD);
+  EXPECT_EQ(probe.outside, INSITU_OUTSIDE_NONE);
+  const Probe near = parse(test::probe("outside: nearest, greatest_distance: 2.5")).probes[0];
+  EXPECT_EQ(near.outside, INSITU_OUTSIDE_NEAREST);
+  EXPECT_EQ(near.greatest_distance, 2.5);
 }
 
 TEST(SceneKeys, PathsAreRelativeToTheScene) {
