@@ -100,7 +100,8 @@ TEST(SceneErrors, Probes) {
   EXPECT_EQ(error_of("probes:\n- name: a"), "s.yaml:3: key 'points' is missing in probes[0]");
   EXPECT_EQ(probe_error("feilds: [a]"), "s.yaml:2: key 'feilds' is unknown in probes[0]; did you "
                                         "mean 'fields'? (keys: name, mesh, points, frame, "
-                                        "fields, attached, accuracy, output, every, when)");
+                                        "fields, attached, accuracy, outside, greatest_distance, "
+                                        "output, every, when)");
   EXPECT_HAS(probe_error("fields: pressure"),
              "probes[0].fields: a list expected, 'pressure' found");
   EXPECT_HAS(probe_error("fields: [[a]]"), "probes[0].fields[0]: a text expected");
