@@ -20,6 +20,10 @@ bool is_before(const Vec3d& a, const Vec3d& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
+double length(const Vec3d& a) {
+  return std::sqrt(math::dot(a, a));
+}
+
 Vec3d between(const Vec3d& a, const Vec3d& b, double t) {
   return a + t * (b - a); // exact where a coordinate is the same at both ends
 }
@@ -114,6 +118,51 @@ struct Part {
     }
     return best;
   }
+  /// Whether the squared distance is convex over all of the part, so that descent ends in its
+  /// least. Its second derivatives are those of a quadratic but for the mixed one, which has the
+  /// twist.
+  bool is_convex() const {
+    const double a = length(along), b = length(across), t = length(twist);
+    const double mixed = std::fabs(math::dot(along, across)) + std::fabs(math::dot(middle, twist)) +
+                         2.0 * t * (a + b + t);
+    return a > t && b > t && (a - t) * (b - t) > 1.001 * mixed;
+  }
+  /// The a and b of the nearest point of such a part: Newton's method within the bounds, and along
+  /// one of them at a time where that does not come nearer.
+  std::pair<double, double> nearest_of_convex(double a, double b) const {
+    Vec3d p = at(a, b);
+    double least = math::dot(p, p);
+    for (int step = 0; step < 50; ++step) {
+      const Vec3d pa = along + b * twist, pb = across + a * twist;
+      const double ga = math::dot(p, pa), gb = math::dot(p, pb);
+      const double aa = math::dot(pa, pa), bb = math::dot(pb, pb);
+      const double ab = math::dot(pa, pb) + math::dot(p, twist), det = aa * bb - ab * ab;
+      const bool holds_a = std::fabs(a) == 1.0 && a * ga <= 0.0;
+      const bool holds_b = std::fabs(b) == 1.0 && b * gb <= 0.0;
+      double to_a = holds_a ? a : a - (holds_b ? ga / aa : (ga * bb - gb * ab) / det);
+      double to_b = holds_b ? b : b - (holds_a ? gb / bb : (gb * aa - ga * ab) / det);
+      to_a = std::clamp(to_a, -1.0, 1.0);
+      to_b = std::clamp(to_b, -1.0, 1.0);
+      Vec3d next = at(to_a, to_b);
+      if (!(math::dot(next, next) < least)) {
+        to_a = std::clamp(a - ga / aa, -1.0, 1.0);
+        to_b = b;
+        next = at(to_a, to_b);
+        if (!(math::dot(next, next) < least)) {
+          to_a = a;
+          to_b = std::clamp(b - gb / bb, -1.0, 1.0);
+          next = at(to_a, to_b);
+          if (!(math::dot(next, next) < least))
+            break;
+        }
+      }
+      p = next;
+      a = to_a;
+      b = to_b;
+      least = math::dot(p, p);
+    }
+    return {a, b};
+  }
   /// A quarter of the part; which: of four.
   Part quarter(int which) const {
     const double a = which & 1 ? 0.5 : -0.5, b = which & 2 ? 0.5 : -0.5;
@@ -177,21 +226,25 @@ private:
     double lower; ///< no point of the part is nearer
   };
 
-  static double length(const Vec3d& a) { return std::sqrt(math::dot(a, a)); }
-
   /// Takes the part's nearest point, and keeps the part if there may be a nearer one.
   void look_at_part(const Part& part, std::vector<Waiting>& waiting) {
-    const auto [a, b] = part.nearest();
-    const Vec3d flat = part.middle + a * part.along + b * part.across, at = part.at(a, b);
+    auto [a, b] = part.nearest();
+    const double off = length(part.twist);
+    const double lower = length(part.middle + a * part.along + b * part.across) - off;
+    if (lower > limit_ + rounding_)
+      return;
+    const bool is_flat = off <= rounding_, is_convex = !is_flat && part.is_convex();
+    if (is_convex)
+      std::tie(a, b) = part.nearest_of_convex(a, b);
     const double u = part.u + a * part.half, v = part.v + b * part.half;
-    const double squared = math::dot(at, at);
     if (u > 0.0 && u < 1.0 && v > 0.0 && v < 1.0) { // the edges have been looked at
-      const Vec3d x = between(between(c_[0].x, c_[1].x, u), between(c_[3].x, c_[2].x, u), v);
-      best_.take(squared, x, Decision(Reason::on_face, face_));
+      const Vec3d at = part.at(a, b);
+      const double squared = math::dot(at, at);
+      best_.take(squared, between(between(c_[0].x, c_[1].x, u), between(c_[3].x, c_[2].x, u), v),
+                 Decision(Reason::on_face, face_));
       limit_ = std::min(limit_, std::sqrt(squared));
     }
-    const double off = length(part.twist), lower = length(flat) - off;
-    if (off > rounding_ && lower <= limit_ + rounding_)
+    if (!is_flat && !is_convex)
       waiting.push_back({part, lower});
   }
 
