@@ -29,6 +29,7 @@ Output render(const Options& options);
 Output accuracy_command(const Options& options);
 Output paper_command(const Options& options);
 Output scaling_command(const Options& options);
+Output sections(const Options& options);
 
 /// The answers to a set of queries: cells as ids or -1, and the field (NaN outside).
 struct Answers {

@@ -3,7 +3,7 @@
 namespace insitu::bench {
 
 const char* help_text() {
-  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy|scaling [options]
+  return R"(insitu-bench commit|locate|torture|scale|methods|amr|effects|render|advect|accuracy|scaling|sections [options]
        insitu-bench paper morrical|rathke|zellmann [options]
 
 Times libinsitu on the standard workload, checks its answers and holds them against VTK's.
@@ -22,6 +22,7 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   accuracy what each choice that trades accuracy for time costs: tables, plots and a page to read
   scaling  the same work on several processes (MPI): processor time, messages and bytes beside what a model
            says that they should be; starts itself under mpiexec
+  sections the same work on a curvilinear block in packed arrays and in sections of larger ones, in turns
   paper    the tables and figures of a paper that libinsitu is built on, in its own rows and columns, on
            meshes of ours, its figures beside them
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3

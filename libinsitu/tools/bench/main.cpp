@@ -35,6 +35,8 @@ Output run(const Options& options) {
     return advect(options);
   if (options.command == Command::scaling)
     return scaling_command(options);
+  if (options.command == Command::sections)
+    return sections(options);
   const Report report = options.command == Command::commit ? commit(options) : locate(options);
   return {table(report), json(report, options), 0};
 }

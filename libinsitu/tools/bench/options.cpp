@@ -14,8 +14,8 @@ namespace insitu::bench {
 namespace {
 
 constexpr const char* commands =
-    "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper, advect or "
-    "scaling";
+    "commit, locate, torture, scale, methods, amr, effects, render, accuracy, paper, advect, "
+    "scaling or sections";
 
 /// An argument: the option's name and the text of its value.
 struct Argument {
@@ -138,7 +138,7 @@ const Option options[] = {
      choice(&Options::pattern, workload::pattern_from_name,
             "uniform, random, sorted, march, vertices, edges or faces")},
     {"--points",
-     {C::locate, C::torture, C::methods, C::amr, C::advect, C::scaling},
+     {C::locate, C::torture, C::methods, C::amr, C::advect, C::scaling, C::sections},
      number(&Options::points, 1, 1'000'000'000)},
     {"--check", {C::methods}, flag(&Options::check), false},
     {"--sizes", {C::amr}, flag(&Options::sizes), false},
@@ -154,7 +154,7 @@ const Option options[] = {
     {"--processes",
      {C::scaling},
      [](Options& o, const Argument& a) { o.processes = a.numbers(1, 4096); }},
-    {"--size", {C::render, C::paper, C::scaling}, number(&Options::size, 1, 16384)},
+    {"--size", {C::render, C::paper, C::scaling, C::sections}, number(&Options::size, 1, 16384)},
     {"--out", {C::render, C::accuracy, C::paper}, text(&Options::out_folder)},
     {"--quick", {C::accuracy, C::paper}, set_extent, false},
     {"--full", {C::accuracy, C::paper}, set_extent, false},
@@ -175,7 +175,7 @@ const Option& option_of(std::string_view name) {
 }
 
 Command command_of(std::string_view text) {
-  for (int c = int(C::help) + 1; c <= int(C::scaling); ++c)
+  for (int c = int(C::help) + 1; c <= int(C::sections); ++c)
     if (text == name(C(c)))
       return C(c);
   throw UsageError("'" + std::string(text) + "' is no command: " + commands + " expected");
@@ -215,7 +215,7 @@ bool asks_for_help(std::string_view text) {
 const char* name(Command command) {
   constexpr const char* names[] = {"help",    "commit", "locate",  "torture", "scale",
                                    "methods", "amr",    "effects", "render",  "accuracy",
-                                   "paper",   "advect", "scaling"};
+                                   "paper",   "advect", "scaling", "sections"};
   return names[int(command)];
 }
 

@@ -25,7 +25,8 @@ enum class Command {
   accuracy,
   paper,
   advect,
-  scaling
+  scaling,
+  sections
 };
 const char* name(Command command);
 

@@ -205,6 +205,14 @@ TEST(BenchProgram, CommitReportsEveryPhase) {
   }
 }
 
+TEST(BenchProgram, SectionsAnswerAsPackedArraysDo) {
+  const Outcome r =
+      run("sections --cells 1000 --points 2000 --size 32 --repetitions 1 --json -", "");
+  EXPECT_EQ(r.exit_code, 0) << r.out;
+  for (const char* text : {"\"same_samples\": true", "\"work\": \"particles\""})
+    EXPECT_NE(r.out.find(text), std::string::npos) << r.out;
+}
+
 TEST(BenchProgram, PeersAnswerTheSameQueriesOrAreSaidToBeAbsent) {
   const Outcome table = run("locate --cells 300 --repetitions 1 --peers");
   ASSERT_EQ(table.exit_code, 0) << table.out;
