@@ -19,6 +19,9 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
     out.push_back(read_domain(mesh, options.topology, options.channel));
     if (!options.adaptive)
       return;
+    if (out.back().dimensions != 3)
+      mesh.refuse(INSITU_ERROR_UNSUPPORTED,
+                  "has two dimensions; adaptive meshes of three are supported");
     Node level = mesh.find("state/level_id");
     if (!level)
       level = mesh.at("state/level");
@@ -38,7 +41,7 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
 }
 
 bool is_same_block(const insitu_block& a, const insitu_block& b) {
-  bool same = a.kind == b.kind;
+  bool same = a.kind == b.kind && a.dimensions == b.dimensions;
   for (int i = 0; i < 3; ++i)
     same = same && a.vertices[i] == b.vertices[i] && a.origin[i] == b.origin[i] &&
            a.spacing[i] == b.spacing[i] && is_same_view(a.coordinates[i], b.coordinates[i]);

@@ -28,13 +28,15 @@ const ShapeName* shape_of(const std::string& name) {
 
 [[noreturn]] void refuse_shape(const Node& node, const std::string& name) {
   node.refuse(INSITU_ERROR_UNSUPPORTED,
-              "is '" + name + "'; tet, hex, wedge, pyramid, mixed and polyhedral are supported");
+              "is '" + name +
+                  "'; tet, hex, wedge, pyramid, mixed and polyhedral are supported, and tri and "
+                  "quad in one plane");
 }
 
 void read_one_shape(const Node& elements, Domain& d) {
   const Node shape_node = elements.at("shape");
   const ShapeName* shape = shape_of(shape_node.text());
-  if (!shape || shape->dimensions != 3 || shape->ids == 0)
+  if (!shape || shape->dimensions != d.dimensions || shape->ids == 0)
     refuse_shape(shape_node, shape_node.text());
   const Node connectivity = elements.at("connectivity");
   d.cells.layout = INSITU_LAYOUT_UNIFORM;
@@ -106,31 +108,35 @@ void read_types(const Node& elements, Domain& d) {
   const Shapes shapes = shapes_of(elements.at("shape_map"));
   bool in_place = leaf.type == Conduit::uint8 && leaf.stride == 1;
   for (const Mapped& m : shapes)
-    in_place = in_place && m.shape && m.number == m.shape->vtk && m.shape->dimensions == 3;
+    in_place = in_place && m.shape && m.number == m.shape->vtk &&
+               m.shape->dimensions == d.dimensions;
   if (in_place) {
     d.cells.types = insitu_array_of(leaf.data, INSITU_UINT8, leaf.count, 1);
     return;
   }
   auto* types = d.cell_copies->make<std::uint8_t>(leaf.count);
-  std::map<std::string, std::int64_t> flat;
+  std::map<std::string, std::int64_t> lower;
   for (std::int64_t c = 0; c < leaf.count; ++c) {
     const ShapeName& shape = shape_at(node, leaf, c, shapes);
     types[c] = shape.vtk;
-    if (shape.dimensions < 3)
-      ++flat[shape.name];
+    if (shape.dimensions == d.dimensions && shape.ids == 0)
+      refuse_shape(node, shape.name);
+    if (shape.dimensions < d.dimensions)
+      ++lower[shape.name];
   }
   d.cells.types = insitu_array_of(types, INSITU_UINT8, leaf.count, 1);
   d.cells.types.converted = "shapes have other numbers than VTK's, or other types";
-  for (const auto& [name, number] : flat)
+  for (const auto& [name, number] : lower)
     d.left_out.push_back(elements.path() + ": " + std::to_string(number) + " cells of shape " +
-                         name + " have no volume");
-  if (flat.empty())
+                         name + (d.dimensions == 3 ? " have no volume" : " have no area"));
+  if (lower.empty())
     return;
   auto* ghosts = d.cell_copies->make<std::uint8_t>(leaf.count); // they keep their numbers
   for (std::int64_t c = 0; c < leaf.count; ++c)
-    ghosts[c] = types[c] < INSITU_TETRAHEDRON ? 32 : 0;
+    ghosts[c] = types[c] < (d.dimensions == 3 ? INSITU_TETRAHEDRON : INSITU_TRIANGLE) ? 32 : 0;
   d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
-  d.ghosts->converted = "cells without volume are hidden";
+  d.ghosts->converted = d.dimensions == 3 ? "cells without volume are hidden"
+                                          : "cells without area are hidden";
 }
 
 /// The sums of a relation's sizes, from 0 on: one more than there are sizes.

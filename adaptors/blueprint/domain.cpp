@@ -51,23 +51,28 @@ Node chosen_topology(const Node& mesh, const std::string& wanted) {
   if (!wanted.empty())
     return all.at(wanted);
   std::string others;
-  for (std::int64_t i = 0; i < all.size(); ++i) {
-    const Node topology = all.child(i);
-    if (const int n = dimensions_of(mesh, topology); n != 3)
+  for (const int wanted_dimensions : {3, 2}) {
+    others.clear();
+    for (std::int64_t i = 0; i < all.size(); ++i) {
+      const Node topology = all.child(i);
+      const int n = dimensions_of(mesh, topology);
+      if (n == wanted_dimensions)
+        return topology;
       others += (others.empty() ? "" : ", ") + topology.name() + " of " +
                 (n < 0 ? "an unknown shape" : std::to_string(n) + " dimensions");
-    else
-      return topology;
+    }
   }
   all.refuse(INSITU_ERROR_UNSUPPORTED,
-             "has no topology of cells with volume" + (others.empty() ? "" : ": " + others));
+             "has no topology of cells with volume or area" + (others.empty() ? "" : ": " + others));
 }
 
-void require_axes(const Node& values) {
-  for (const char* axis : axes)
-    if (!values.find(axis))
-      values.refuse(INSITU_ERROR_UNSUPPORTED,
-                    std::string("has no ") + axis + "; cartesian coordinates x, y, z are needed");
+/// x, y, z, or x, y.
+void require_axes(const Node& values, std::size_t count) {
+  for (std::size_t a = 0; a < count; ++a)
+    if (!values.find(axes[a]))
+      values.refuse(INSITU_ERROR_UNSUPPORTED, std::string("has no ") + axes[a] +
+                                                  "; cartesian coordinates x, y" +
+                                                  (count == 3 ? ", z" : "") + " are needed");
 }
 
 void set_block(const std::array<std::int64_t, 3>& vertices, Domain& d) {
@@ -75,15 +80,17 @@ void set_block(const std::array<std::int64_t, 3>& vertices, Domain& d) {
   d.extent = vertices;
   d.vertex_count = vertices[0] * vertices[1] * vertices[2];
   d.cell_count = 1;
+  d.block.dimensions = d.dimensions;
   for (std::size_t a = 0; a < 3; ++a) {
     d.block.vertices[a] = vertices[a];
-    d.cell_count *= std::max<std::int64_t>(vertices[a] - 1, 0);
+    if (a < std::size_t(d.dimensions))
+      d.cell_count *= std::max<std::int64_t>(vertices[a] - 1, 0);
   }
 }
 
 void read_uniform(const Node& coordset, Domain& d) {
-  std::array<std::int64_t, 3> vertices{};
-  for (std::size_t a = 0; a < 3; ++a) {
+  std::array<std::int64_t, 3> vertices{1, 1, 1};
+  for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a) {
     vertices[a] = count_of(coordset.at(std::string("dims/") + counts[a]));
     const Node origin = coordset.find(std::string("origin/") + axes[a]);
     const Node spacing = coordset.find(std::string("spacing/d") + axes[a]);
@@ -98,9 +105,9 @@ void read_uniform(const Node& coordset, Domain& d) {
 
 void read_rectilinear(const Node& coordset, Domain& d) {
   const Node values = coordset.at("values");
-  require_axes(values);
-  std::array<std::int64_t, 3> vertices{};
-  for (std::size_t a = 0; a < 3; ++a) {
+  require_axes(values, std::size_t(d.dimensions));
+  std::array<std::int64_t, 3> vertices{1, 1, 1};
+  for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a) {
     const Node axis = values.at(axes[a]);
     d.block.coordinates[a] = reals(axis.leaf(), d.copies);
     vertices[a] = d.block.coordinates[a].count;
@@ -115,13 +122,14 @@ void read_rectilinear(const Node& coordset, Domain& d) {
   d.block.kind = INSITU_BLOCK_RECTILINEAR;
 }
 
-/// x, y, z as one array or three.
+/// x, y, z as one array or three; of a flat mesh x, y too.
 std::vector<insitu_array> explicit_points(const Node& coordset, Domain& d) {
   const Node values = coordset.at("values");
-  require_axes(values);
+  const std::size_t count = d.dimensions == 3 || values.find("z") ? 3 : 2;
+  require_axes(values, count);
   std::vector<insitu_array> xyz;
-  for (const char* axis : axes) {
-    const Node node = values.at(axis);
+  for (std::size_t a = 0; a < count; ++a) {
+    const Node node = values.at(axes[a]);
     xyz.push_back(reals(node.leaf(), d.copies));
     if (xyz.back().count != xyz[0].count)
       node.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(xyz.back().count) +
@@ -137,8 +145,8 @@ void read_structured(const Node& topology, const Node& coordset, Domain& d) {
   d.points = explicit_points(coordset, d);
   const std::int64_t items = d.vertex_count;
   const Node dims = topology.at("elements/dims");
-  std::array<std::int64_t, 3> vertices{};
-  for (std::size_t a = 0; a < 3; ++a)
+  std::array<std::int64_t, 3> vertices{1, 1, 1};
+  for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a)
     vertices[a] = count_of(dims.at(counts[a])) + 1;
   const Window window = read_window(dims, vertices, items);
   set_block(vertices, d);
@@ -178,10 +186,11 @@ Window read_window(const Node& dims, const std::array<std::int64_t, 3>& extent,
   for (const bool stride : {false, true})
     if (const Node& node = stride ? strides : offsets) {
       const Leaf leaf = node.leaf();
-      if (leaf.count != 3)
+      if (leaf.count != 3 && !(leaf.count == 2 && extent[2] == 1))
         node.refuse(INSITU_ERROR_ARGUMENT,
-                    "has " + std::to_string(leaf.count) + " numbers; three are needed");
-      for (std::int64_t a = 0; a < 3; ++a) {
+                    "has " + std::to_string(leaf.count) + " numbers; three are needed, or two of a "
+                    "flat block");
+      for (std::int64_t a = 0; a < leaf.count; ++a) {
         const std::int64_t n = leaf.integer(a);
         if (std::abs(n) > most * most || n == INT64_MIN)
           node.refuse(INSITU_ERROR_ARGUMENT, "holds " + std::to_string(n));
@@ -212,6 +221,7 @@ Domain read_domain(const Node& mesh, const std::string& wanted, const Node& chan
   Domain d;
   d.path = mesh.path();
   const Node topology = chosen_topology(mesh, wanted);
+  d.dimensions = dimensions_of(mesh, topology) == 2 ? 2 : 3;
   const std::string type = topology.at("type").text();
   const std::string coordset_name = topology.at("coordset").text();
   const Node coordset = mesh.at("coordsets/" + coordset_name);

@@ -24,6 +24,7 @@ struct Domain {
   enum class Kind { none, block, cells, faces, patch };
   std::string path;
   Kind kind = Kind::none;
+  int dimensions = 3;                   ///< or 2: a flat mesh
   std::array<std::int64_t, 3> extent{}; ///< of blocks and patches, in vertices
   std::array<double, 3> origin{}, spacing{};
   insitu_block block = insitu_block_default();
@@ -43,7 +44,8 @@ struct Domain {
   Copies copies; ///< of values and coordinates
 };
 
-/// Reads a domain. topology: its name; empty: the first one of cells of volume. channel: where
+/// Reads a domain. topology: its name; empty: the first one of cells of volume, or else the first
+/// one of a flat mesh. channel: where
 /// metadata of fields may stand too, or null. Throws Error, by the path.
 Domain read_domain(const Node& mesh, const std::string& topology, const Node& channel);
 

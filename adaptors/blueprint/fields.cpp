@@ -20,8 +20,8 @@ void set_items(const Node& field, const Node& values, bool on_cells, const Domai
                insitu_array& array) {
   const std::int64_t items = on_cells ? d.cell_count : d.vertex_count;
   std::array<std::int64_t, 3> extent = d.extent;
-  for (std::int64_t& n : extent)
-    n -= on_cells ? 1 : 0;
+  for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a)
+    extent[a] -= on_cells ? 1 : 0;
   if (d.kind == Domain::Kind::block)
     if (const Window window = read_window(field, extent, array.count); window.given) {
       array = block_of(array, extent, window.offset, window.stride);

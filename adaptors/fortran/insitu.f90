@@ -100,6 +100,7 @@ module insitu
   type, extends(below), public :: insitu_mesh
   contains
     procedure :: uniform_block
+    procedure :: flat_uniform_block
     procedure :: adaptive
     procedure :: patch
     procedure :: drop_pieces
@@ -182,6 +183,25 @@ contains
     block%spacing = spacing
     call self%give_block(block, ierr, piece)
   end subroutine uniform_block
+
+  !> The same of a flat mesh: vertices(1) x vertices(2) vertices.
+  subroutine flat_uniform_block(self, vertices, origin, spacing, ierr, piece, first)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: vertices(2)
+    real(real64), intent(in) :: origin(2), spacing(2)
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: piece
+    integer(int64), intent(in), optional :: first(2)
+    type(c_block) :: block
+
+    if (present(first)) block%first(1:2) = first
+    block%kind = insitu_block_uniform
+    block%dimensions = 2
+    block%vertices = [vertices(1), vertices(2), 1]
+    block%origin(1:2) = origin
+    block%spacing(1:2) = spacing
+    call self%give_block(block, ierr, piece)
+  end subroutine flat_uniform_block
 
   subroutine remove_field(self, name, ierr)
     class(insitu_mesh), intent(in) :: self

@@ -114,20 +114,30 @@ void Attachment::State::give_axes(const Topology& t) {
   for (int a = 0; a < 3; ++a)
     axes[a] =
         adopt(t.axes[a].array, t.axes[a].array->GetDataType() == VTK_DOUBLE ? nullptr : differ);
-  piece.rectilinear_block(axes[0].arrays.at(0), axes[1].arrays.at(0), axes[2].arrays.at(0));
+  if (t.is_flat)
+    piece.flat_rectilinear_block(axes[0].arrays.at(0), axes[1].arrays.at(0));
+  else
+    piece.rectilinear_block(axes[0].arrays.at(0), axes[1].arrays.at(0), axes[2].arrays.at(0));
   std::move(axes, axes + 3, adopted_axes);
 }
 
 void Attachment::State::give_cells(const Topology& t) {
   switch (t.kind) {
   case Topology::Kind::uniform:
-    piece.uniform_block(t.vertices, t.origin, t.spacing);
+    if (t.is_flat)
+      piece.flat_uniform_block({t.vertices[0], t.vertices[1]}, {t.origin[0], t.origin[1]},
+                               {t.spacing[0], t.spacing[1]});
+    else
+      piece.uniform_block(t.vertices, t.origin, t.spacing);
     break;
   case Topology::Kind::rectilinear:
     give_axes(t);
     break;
   case Topology::Kind::curvilinear:
-    piece.block(t.vertices[0], t.vertices[1], t.vertices[2]);
+    if (t.is_flat)
+      piece.flat_block(t.vertices[0], t.vertices[1]);
+    else
+      piece.block(t.vertices[0], t.vertices[1], t.vertices[2]);
     break;
   case Topology::Kind::faces: {
     const auto made = [](vtkDataArray* array) { return ids_of(array).converted(made_faces); };
@@ -263,7 +273,7 @@ Change Attachment::State::update(vtkDataSet* data) {
     return what;
   skipped = std::move(left_out);
   if (!next.left_out.empty())
-    skipped.push_back({next.left_out, "cells without volume; their numbers stay"});
+    skipped.push_back({next.left_out, "cells of lower dimension than others; their numbers stay"});
   if (next.made_ghosts)
     note("cell array 'vtkGhostType'", next.made_ghosts);
   if (made_hidden)

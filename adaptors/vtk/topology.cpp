@@ -11,6 +11,7 @@
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkRectilinearGrid.h>
 #include <vtkStructuredGrid.h>
 #include <vtkUnstructuredGrid.h>
@@ -42,10 +43,14 @@ bool has_volume(unsigned char type) {
   return (type >= VTK_TETRA && type <= VTK_PYRAMID) || type == VTK_POLYHEDRON;
 }
 
-/// Whether a VTK type is one of points, lines or surfaces, or of nothing.
-bool is_flat(unsigned char type) {
+bool is_surface(unsigned char type) {
+  return type == VTK_TRIANGLE || type == VTK_PIXEL || type == VTK_QUAD;
+}
+
+/// Whether a VTK type is one of cells of fewer dimensions, or of nothing.
+bool is_below(int dimensions, unsigned char type) {
   const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
-  return type == VTK_EMPTY_CELL || (cell && cell->GetCellDimension() < 3);
+  return type == VTK_EMPTY_CELL || (cell && cell->GetCellDimension() < dimensions);
 }
 
 std::string class_name(unsigned char type) {
@@ -53,23 +58,32 @@ std::string class_name(unsigned char type) {
   return name ? name : "cell";
 }
 
-/// Hides cells of fewer dimensions, if there are cells of volume too; refuses all others.
-void hide_flat_cells(const unsigned char* type, Topology& t) {
+/// The cells that count: those of volume, or those of a flat mesh.
+using Counts = bool (*)(unsigned char type);
+
+Counts counts_of(const unsigned char* type, vtkIdType cells) {
+  const bool flat = std::none_of(type, type + cells, has_volume) &&
+                    std::any_of(type, type + cells, is_surface);
+  return flat ? is_surface : has_volume;
+}
+
+/// Hides cells of fewer dimensions than those that count, if there are such; refuses all others.
+void hide_lower_cells(const unsigned char* type, Counts counts, Topology& t) {
   std::map<unsigned char, vtkIdType> others;
   std::map<unsigned char, vtkIdType> first;
   vtkIdType count = 0;
   for (vtkIdType c = 0; c < t.cells; ++c)
-    if (!has_volume(type[c])) {
+    if (!counts(type[c])) {
       ++others[type[c]];
       first.try_emplace(type[c], c);
       ++count;
     }
   for (const auto& [other, c] : first)
-    if (count == t.cells || !is_flat(other))
+    if (count == t.cells || !is_below(counts == is_surface ? 2 : 3, other))
       unsupported("cell " + std::to_string(c) + " is a " + class_name(other) + " (VTK type " +
                   std::to_string(int(other)) +
                   "); tetrahedra, voxels, hexahedra, wedges and pyramids (10 to 14) and polyhedra "
-                  "(42) are supported");
+                  "(42) are supported, or triangles, pixels and quads (5, 8, 9) in one plane");
   if (count == 0)
     return;
   for (const auto& [other, n] : others)
@@ -81,11 +95,12 @@ void hide_flat_cells(const unsigned char* type, Topology& t) {
   if (t.ghosts.array)
     ghosts->DeepCopy(t.ghosts.array);
   for (vtkIdType c = 0; c < std::min(t.cells, ghosts->GetNumberOfValues()); ++c)
-    if (!has_volume(type[c]))
+    if (!counts(type[c]))
       ghosts->SetValue(c, ghosts->GetValue(c) | hidden);
   t.ghosts = Watched(ghosts);
   if (!t.made_ghosts)
-    t.made_ghosts = "cells without volume are hidden";
+    t.made_ghosts = counts == is_surface ? "cells without area are hidden"
+                                         : "cells without volume are hidden";
 }
 
 /// All cells, once there is a polyhedron among them.
@@ -95,24 +110,23 @@ void read_faces(vtkUnstructuredGrid* grid, Topology& t) {
   t.faces = face_lists_of(grid);
 }
 
-void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
+/// cells: whose offsets and connectivity are read in place.
+void read_types(vtkCellArray* cells, vtkUnsignedCharArray* types, Topology& t) {
   t.kind = Topology::Kind::cells;
-  t.points = points_of(grid);
-  vtkCellArray* cells = grid->GetCells();
-  vtkUnsignedCharArray* types = grid->GetCellTypesArray();
   if (!types || types->GetNumberOfValues() != t.cells)
     throw Error(INSITU_ERROR_MESH, std::to_string(types ? types->GetNumberOfValues() : 0) +
                                        " cell types for " + std::to_string(t.cells) + " cells");
   const unsigned char* type = types->GetPointer(0);
-  hide_flat_cells(type, t);
+  const Counts counts = counts_of(type, t.cells);
+  hide_lower_cells(type, counts, t);
   t.connectivity = Watched(cells->GetConnectivityArray(), cells);
   t.offsets = Watched(cells->GetOffsetsArray(), cells);
   t.types = Watched(types);
   if (std::find(type, type + t.cells, VTK_POLYHEDRON) != type + t.cells)
-    return read_faces(grid, t);
+    return;
   t.shape = static_cast<Shape>(type[0]);
   const int ids = vertex_count(t.shape);
-  t.one_shape = has_volume(type[0]) &&
+  t.one_shape = counts(type[0]) &&
                 std::all_of(type, type + t.cells, [&](unsigned char s) { return s == type[0]; }) &&
                 (cells->IsStorage64Bit()
                      ? evenly_spaced(cells->GetOffsetsArray64()->GetPointer(0), t.cells, ids)
@@ -123,13 +137,42 @@ void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
                                        " ids, but connectivity holds " + std::to_string(given));
 }
 
+void read_cells(vtkUnstructuredGrid* grid, Topology& t) {
+  t.points = points_of(grid);
+  vtkUnsignedCharArray* types = grid->GetCellTypesArray();
+  read_types(grid->GetCells(), types, t);
+  const unsigned char* type = types->GetPointer(0);
+  if (std::find(type, type + t.cells, VTK_POLYHEDRON) != type + t.cells)
+    read_faces(grid, t);
+}
+
+/// The cells of a surface: vertices and lines, which are hidden, triangles and quads. Polygons
+/// alone stay where they are.
+void read_surface(vtkPolyData* surface, Topology& t) {
+  t.points = points_of(surface);
+  auto types = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  types->SetNumberOfValues(t.cells);
+  for (vtkIdType c = 0; c < t.cells; ++c)
+    types->SetValue(c, static_cast<unsigned char>(surface->GetCellType(c)));
+  vtkSmartPointer<vtkCellArray> cells = surface->GetPolys();
+  if (cells->GetNumberOfCells() != t.cells) {
+    cells = vtkSmartPointer<vtkCellArray>::New();
+    for (vtkCellArray* some :
+         {surface->GetVerts(), surface->GetLines(), surface->GetPolys(), surface->GetStrips()})
+      if (some)
+        cells->Append(some);
+  }
+  read_types(cells, types, t);
+}
+
 void set_vertices(Topology& t, const int* dimensions, vtkDataSet* data) {
+  t.is_flat = dimensions[0] > 1 && dimensions[1] > 1 && dimensions[2] == 1;
   for (std::size_t a = 0; a < 3; ++a) {
     t.vertices[a] = dimensions[a];
-    if (dimensions[a] < 2)
+    if (dimensions[a] < 2 && !t.is_flat)
       unsupported(std::string(data->GetClassName()) + ": " + std::to_string(dimensions[0]) + " x " +
                   std::to_string(dimensions[1]) + " x " + std::to_string(dimensions[2]) +
-                  " points; at least 2 along each axis are needed");
+                  " points; at least 2 along each axis are needed, or along x and y of a flat grid");
   }
 }
 
@@ -146,7 +189,7 @@ void read_image(vtkImageData* image, Topology& t) {
     }
     return;
   }
-  t.kind = Topology::Kind::curvilinear;
+  t.kind = Topology::Kind::curvilinear; // the library tells of a flat one out of its plane
   t.made_points = "points of a rotated vtkImageData";
   auto points = vtkSmartPointer<vtkDoubleArray>::New();
   points->SetNumberOfComponents(3);
@@ -172,12 +215,15 @@ Topology topology_of(vtkDataSet* data) {
   t.ghosts = Watched(ghost_bytes(data->GetCellData(), &t.made_ghosts));
   if (t.cells == 0 &&
       (vtkUnstructuredGrid::SafeDownCast(data) || vtkStructuredGrid::SafeDownCast(data) ||
-       vtkRectilinearGrid::SafeDownCast(data) || vtkImageData::SafeDownCast(data))) {
+       vtkRectilinearGrid::SafeDownCast(data) || vtkImageData::SafeDownCast(data) ||
+       vtkPolyData::SafeDownCast(data))) {
     t = {}; // nothing of it counts
     t.kind = Topology::Kind::cells;
     t.one_shape = true;
   } else if (auto* unstructured = vtkUnstructuredGrid::SafeDownCast(data)) {
     read_cells(unstructured, t);
+  } else if (auto* surface = vtkPolyData::SafeDownCast(data)) {
+    read_surface(surface, t);
   } else if (auto* structured = vtkStructuredGrid::SafeDownCast(data)) {
     t.kind = Topology::Kind::curvilinear;
     set_vertices(t, structured->GetDimensions(), structured);
@@ -192,15 +238,16 @@ Topology topology_of(vtkDataSet* data) {
     read_image(image, t);
   } else {
     unsupported(std::string(data->GetClassName()) +
-                ": vtkUnstructuredGrid, vtkStructuredGrid, vtkRectilinearGrid and vtkImageData are "
-                "supported");
+                ": vtkUnstructuredGrid, vtkPolyData, vtkStructuredGrid, vtkRectilinearGrid and "
+                "vtkImageData are supported");
   }
   return t;
 }
 
 bool same(const Topology& before, const Topology& now) {
   bool equal = before.kind == now.kind && before.cells == now.cells &&
-               before.one_shape == now.one_shape && before.vertices == now.vertices &&
+               before.one_shape == now.one_shape && before.shape == now.shape &&
+               before.is_flat == now.is_flat && before.vertices == now.vertices &&
                before.origin == now.origin && before.spacing == now.spacing &&
                same(before.ghosts, now.ghosts) && same(before.connectivity, now.connectivity) &&
                same(before.offsets, now.offsets) && same(before.types, now.types) &&

@@ -44,6 +44,7 @@ struct Topology {
   Watched given_faces;
   FaceLists faces;
   // blocks
+  bool is_flat = false; ///< one vertex along k
   std::array<std::int64_t, 3> vertices{};
   std::array<double, 3> origin{}, spacing{};
   Watched axes[3];
@@ -57,8 +58,8 @@ struct Topology {
   const char* made_points = nullptr;
 };
 
-/// Cells of fewer dimensions beside cells of volume (boundary faces, edges) are kept in their
-/// places and hidden by ghost values. Throws Error for data sets and cells that are not supported.
+/// Cells of fewer dimensions beside cells of volume, or of a flat mesh (boundary faces, edges), are
+/// kept in their places and hidden by ghost values. Throws Error for data sets and cells that are not supported.
 Topology topology_of(vtkDataSet* data);
 
 bool same(const Topology& before, const Topology& now);

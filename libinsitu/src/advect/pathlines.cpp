@@ -52,13 +52,13 @@ void Tracer::seed(std::span<const math::Vec3d> points, double time) {
   particles_.seed(points, time);
 }
 
-EarlierSteps Tracer::check_fields(const mesh::FieldView& velocity, const EarlierSteps& earlier,
-                                  const StepBefore* before) const {
-  check_velocity(velocity);
+EarlierSteps Tracer::check_fields(const query::Sampler& sampler, const mesh::FieldView& velocity,
+                                  const EarlierSteps& earlier, const StepBefore* before) const {
+  check_velocity(velocity, sampler.mesh());
   for (const mesh::FieldView& field : earlier.fields)
-    check_velocity(field);
+    check_velocity(field, sampler.mesh());
   if (before)
-    check_velocity(before->velocity);
+    check_velocity(before->velocity, before->sampler.mesh());
   EarlierSteps steps = earlier;
   steps.fields = steps.fields.first(
       std::min(steps.fields.size(), std::size_t(steps_of(settings_.time_interpolation) - 1)));
@@ -70,7 +70,7 @@ Advance Tracer::advance(const query::Sampler& sampler, const mesh::FieldView& ve
                         const core::Threads& threads, Snapshots* snapshots,
                         const StepBefore* before) {
   check_interval(t0, t1);
-  const EarlierSteps steps = check_fields(velocity, earlier_velocity, before);
+  const EarlierSteps steps = check_fields(sampler, velocity, earlier_velocity, before);
   return Interval({sampler, velocity, steps, t0, t1, threads, snapshots, before, exits_}, settings_,
                   effects_, particles_)
       .run();

@@ -146,7 +146,8 @@ void Session::for_each_slice(
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
   const insitu_frame from = args.frame ? scene::read_frame(*args.frame) : mesh.reference_frame;
-  const math::Vec3d* const in_place = args.frame ? nullptr : points.in_place();
+  const math::Vec3d* const in_place =
+      args.frame || mesh.is_flat() ? nullptr : points.in_place();
   if (!in_place)
     query_points_.resize_discard(std::size_t(most));
   for (std::int64_t first = 0; first < n; first += most) {
@@ -155,6 +156,7 @@ void Session::for_each_slice(
       points.gather(first, {query_points_.data(), count}, context_.threads);
     if (args.frame)
       scene::convert_points({query_points_.data(), count}, from, mesh.reference_frame);
+    mesh.to_plane({query_points_.data(), count});
     visit(first, {in_place ? in_place + first : query_points_.data(), count});
   }
 }
@@ -258,8 +260,10 @@ bool Session::sample_point(SessionMesh& to, const std::string& field, const doub
   }
   ++statistics_.points_located;
   const query::Sampler sampler = mesh.own_sampler();
-  query::Location at = sampler.locate({point[0], point[1], point[2]});
-  if (at && mesh.halo() && !mesh.own_here(at, {point[0], point[1], point[2]}))
+  math::Vec3d p{point[0], point[1], point[2]};
+  mesh.to_plane({&p, 1});
+  query::Location at = sampler.locate(p);
+  if (at && mesh.halo() && !mesh.own_here(at, p))
     at = {};
   if (at)
     sampler.interpolate(view, at, values);

@@ -101,6 +101,7 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
     to.mesh.update_halo(world, context_.threads, context_.log);
   else
     to.mesh.update_chart(world, context_.threads, context_.log);
+  to.mesh.to_plane(points);
   commit::Everywhere everywhere(to.mesh, world);
   const std::vector<int> components = everywhere.components(names);
   const bool wants_nearest = args.outside == INSITU_OUTSIDE_NEAREST;

@@ -27,6 +27,16 @@ std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
       });
 }
 
+/// A degree of latitude is so many metres, to a few in a thousand.
+mesh::FlatUnits flat_units(const insitu_frame& frame) {
+  if (frame.kind != INSITU_FRAME_GEODETIC)
+    return {};
+  const geo::ChartUnits units{frame.angle == INSITU_RADIANS, frame.length == INSITU_KILOMETRES,
+                              frame.vertical == INSITU_DOWN};
+  constexpr double around = 4e7; // metres
+  return {around / (units.kilometres ? 1e3 : 1.0) / units.turn(), units.turn()};
+}
+
 std::uint64_t next_id() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -60,6 +70,8 @@ void CommittedMesh::require_committed() const {
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
+  mesh_.set_flat_units(flat_units(reference_frame));
+  mesh_.look_again();
   mesh_.update(&threads);
   if (mesh_.pending() == 0)
     mesh_.set_changed(INSITU_CHANGED_FIELDS); // the next commit is cheap, but has to come
@@ -105,6 +117,18 @@ void CommittedMesh::choose_stand_in() {
     stand_in_ = make_stand_in(mesh_, reference_frame, *memory_);
   if (stand_in_)
     stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
+}
+
+/// After the mesh's update().
+void CommittedMesh::prepare_flat(bool topology, const core::Log& log) {
+  if (const std::string left_out = mesh_.left_out();
+      topology && !in_halo_commit_ && !left_out.empty())
+    log.warning(left_out);
+  if (mesh_.is_flat() && locators_.pick().backend != accel::Backend::cpu)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "mesh '" + mesh_.name() + "' is flat: it is located on the CPU, not by " +
+                          accel::name(locators_.pick().method) + " on " +
+                          accel::name(locators_.pick().backend));
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
@@ -193,6 +217,7 @@ void CommittedMesh::build_tree(insitu_commit_report& report, const core::Threads
 
 std::vector<insitu_audit_entry> CommittedMesh::audit() const {
   std::vector<insitu_audit_entry> entries = mesh_.audit();
+  mesh_.audit_flat(entries);
   if (stand_in_)
     stand_in_->audit(entries);
   return entries;
@@ -304,7 +329,9 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
   on_device_ = mesh_.lies_on_device();
   locators_.decide(on_device_, mesh_.name(), log);
   choose_stand_in();
+  mesh_.set_flat_units(flat_units(reference_frame));
   mesh_.update(&threads);
+  prepare_flat((pending & INSITU_CHANGED_TOPOLOGY) != 0, log);
   if (strict)
     for (const insitu_audit_entry& e : mesh_.audit())
       if (!e.borrowed)
@@ -374,7 +401,9 @@ void CommittedMesh::describe(insitu_commit_report& report) const {
                                                                   : INSITU_BUILDER_MORTON;
   const mesh::MeshView& counted = is_copied() ? mesh_.own_view() : mesh_.view();
   report.cells = counted.own_cell_count();
-  report.vertices = counted.first_vertex[counted.piece_count - counted.halo_piece_count];
+  report.vertices = mesh_.is_flat()
+                        ? mesh_.solver_vertex_count()
+                        : counted.first_vertex[counted.piece_count - counted.halo_piece_count];
   report.bytes = locators_.info(tree_).bytes;
 }
 

@@ -182,6 +182,15 @@ public:
   }
   /// The mesh's copy audit, and the copies of a stand-in.
   std::vector<insitu_audit_entry> audit() const;
+  /// Whether the mesh is a flat one, on this process or on another, as far as is known; its plane.
+  bool is_flat() const { return mesh_.is_flat() || whole_flat_.any(); }
+  double plane() const { return mesh_.is_flat() ? mesh_.view().plane : whole_flat_.least; }
+  /// Moves points of the mesh's frame into the plane of a flat mesh, where their third coordinate
+  /// is of no account.
+  void to_plane(std::span<math::Vec3d> points) const {
+    for (std::size_t i = 0; is_flat() && i < points.size(); ++i)
+      points[i].z = plane();
+  }
   /// Of a mesh that was committed and needs one; else null.
   const StandIn* stand_in() const { return stand_in_.get(); }
   /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
@@ -249,7 +258,14 @@ private:
                       const core::Log& log, bool strict);
   void drop_halo();
   void update_leaf_halo(parallel::World& world, const core::Threads& threads);
-  bool lacks_whole_chart() const { return stand_in_ && !stand_in_->has_whole_chart(); }
+  bool lacks_whole_chart() const {
+    return (stand_in_ && !stand_in_->has_whole_chart()) || lacks_whole_flat();
+  }
+  bool lacks_whole_flat() const {
+    return (mesh_.is_flat() || whole_flat_.any()) && !(mesh_.flat_facts() == agreed_flat_);
+  }
+  void reduce_flat(parallel::World& world);
+  void prepare_flat(bool topology, const core::Log& log);
   void adopt_whole_chart(parallel::World& world, const core::Threads& threads,
                          const core::Log& log);
   /// Whatever has changed since.
@@ -321,6 +337,8 @@ private:
   PeriodicAxes sides_{}; ///< over which cells touch
   int rank_ = 0;
   bool in_halo_commit_ = false;
+  /// Of a flat mesh of all processes, and of this one's part when that was found.
+  mesh::FlatFacts whole_flat_, agreed_flat_;
   /// Of the solver's cells where they are; not known: they moved since they were looked at.
   std::optional<insitu_validation> own_counts_;
   std::uint64_t own_topology_version_ = 0;

@@ -75,6 +75,9 @@ struct PieceView {
   bool is_halo = false;        ///< of cells that another process owns
   /// A bit a cell: another process owns it, though the piece is no halo; null: none.
   const std::uint64_t* foreign = nullptr;
+  /// Of a flat mesh: so many vertices the solver has; `id` and `id + flat_vertices` are one of them,
+  /// below and above the plane. 0: none.
+  std::int64_t flat_vertices = 0;
   /// A geo::Pole: copies of a geodetic mesh's cells, on the chart turned to it; vectors too.
   std::int8_t pole = 0;
 
@@ -168,6 +171,11 @@ struct PieceView {
     if (layout == CellLayout::leaves)
       return leaves->is_leaf(cell);
     return !ghosts || (load_as<std::uint8_t>(ghosts + ghost_layout.offset(cell)) & ghost_mask) == 0;
+  }
+
+  /// The vertex as the solver counts.
+  INSITU_HD std::int64_t solver_vertex(std::int64_t id) const {
+    return flat_vertices > 0 && id >= flat_vertices ? id - flat_vertices : id;
   }
 
   /// False only if all cells exist.

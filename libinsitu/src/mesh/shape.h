@@ -37,6 +37,20 @@ INSITU_HD constexpr bool is_shape(int value) {
   return value >= 10 && value <= 14;
 }
 
+/// VTK's numbers of triangles, pixels and quads, which are cells of flat meshes and no Shape: what
+/// is located is what FlatPiece makes of them.
+INSITU_HD constexpr bool is_flat_shape(int value) {
+  return value == 5 || value == 8 || value == 9;
+}
+
+/// VTK's numbers of cells of fewer than two dimensions, and of fewer than three.
+INSITU_HD constexpr bool is_below_area(int value) {
+  return (value >= 1 && value <= 4) || value == 21;
+}
+INSITU_HD constexpr bool is_below_volume(int value) {
+  return (value >= 1 && value <= 9) || (value >= 21 && value <= 23);
+}
+
 INSITU_HD constexpr const char* shape_name(Shape shape) {
   switch (shape) {
   case Shape::tetrahedron:

@@ -75,7 +75,16 @@ struct MeshView {
   /// free_of_folds, a cell that holds a point strictly inside then answers alone in `exact` as
   /// well.
   bool covers_once = false;
+  /// Whether the cells are flat ones, given a thickness (FlatPiece). Points then lie in `plane`,
+  /// their third coordinate, and vectors have two components.
+  bool is_flat = false;
+  double plane = 0.0;
 
+  /// Whether a field's values are vectors, which turn with the axes: those of three components, and
+  /// of a flat mesh those of two.
+  INSITU_HD bool is_vector(const FieldView& field) const {
+    return field.components == 3 || (is_flat && field.components == 2);
+  }
   INSITU_HD std::int64_t cell_count() const { return first_cell[piece_count]; }
   /// Those of this process, whose flat ids come first.
   INSITU_HD std::int64_t own_cell_count() const {

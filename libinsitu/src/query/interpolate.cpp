@@ -179,7 +179,7 @@ void Sampler::interpolate(std::span<const mesh::FieldView> fields, const Answere
 
 bool Sampler::takes_coordinates(std::span<const mesh::FieldView> fields) const {
   return std::any_of(fields.begin(), fields.end(), [&](const mesh::FieldView& field) {
-    return field.association != INSITU_CELL || (chart_ && field.components == 3); // it is turned
+    return field.association != INSITU_CELL || (chart_ && mesh_->is_vector(field)); // it is turned
   });
 }
 
@@ -206,7 +206,7 @@ inline void Sampler::interpolate_to(const Fields& fields, std::int32_t piece, co
     const mesh::FieldView& field = fields[f];
     const mesh::FieldPieceView& from = field.pieces[piece];
     double* values = values_of(f);
-    const bool turns = turned && field.components == 3;
+    const bool turns = turned && mesh_->is_vector(field);
     if (n == 0 && (turns || field.association != INSITU_CELL)) {
       n = cells_of.vertex_ids(cell, ids);
       const mesh::Shape shape = cells_of.layout == mesh::CellLayout::padded
@@ -255,7 +255,10 @@ Vec3d Sampler::gradient(const mesh::FieldView& field, int component, const Locat
   double f[8];
   for (int v = 0; v < cell.count; ++v)
     f[v] = field.pieces[cell.piece].load(cell.ids[v], component);
-  return cells::gradient(cell.shape, cell.x, f, at.parametric);
+  Vec3d slope = cells::gradient(cell.shape, cell.x, f, at.parametric);
+  if (mesh_->is_flat)
+    slope.z = 0.0;
+  return slope;
 }
 
 } // namespace insitu::query

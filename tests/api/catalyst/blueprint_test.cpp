@@ -242,9 +242,11 @@ TEST_F(Blueprint, WhatIsMissingIsNamedByItsPath) {
                  "mesh/coordsets/coords/values has no z");
   expect_refused(hexahedra(box).remove("topologies/topo/elements/connectivity"),
                  INSITU_ERROR_ARGUMENT, "mesh/topologies/topo/elements/connectivity is missing");
-  expect_refused(hexahedra(box).set("topologies/topo/elements/shape", "quad"),
+  expect_refused(hexahedra(box).set("topologies/topo/elements/shape", "line"),
                  INSITU_ERROR_UNSUPPORTED,
-                 "no topology of cells with volume: topo of 2 dimensions");
+                 "no topology of cells with volume or area: topo of 1 dimensions");
+  expect_refused(hexahedra(box).set("topologies/topo/elements/shape", "polygonal"),
+                 INSITU_ERROR_UNSUPPORTED, "shape is 'polygonal'; tet, hex");
   expect_refused(hexahedra(box).set("topologies/topo/elements/connectivity", 1.5),
                  INSITU_ERROR_ARGUMENT, "connectivity holds no integers");
   std::vector<double> few(3);

@@ -257,18 +257,22 @@ TEST_F(VtkAttach, OtherCellsAndDataSetsAreRefusedByName) {
   EXPECT_NE(what.find("cell 8 is a vtkQuadraticTetra"), std::string::npos) << what;
 
   vtkNew<vtkPolyData> surface;
+  surface->SetPoints(grid->GetPoints());
+  vtkNew<vtkCellArray> polygons;
+  polygons->InsertNextCell(5, ids);
+  surface->SetPolys(polygons);
   EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, surface); }, &what),
             INSITU_ERROR_UNSUPPORTED);
-  EXPECT_NE(what.find("vtkPolyData"), std::string::npos) << what;
+  EXPECT_NE(what.find("cell 0 is a vtkPolygon"), std::string::npos) << what;
 
   vtkNew<vtkStructuredGrid> flat;
-  flat->SetDimensions(3, 3, 1);
+  flat->SetDimensions(3, 1, 3);
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(9);
   flat->SetPoints(points);
   EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, flat); }, &what),
             INSITU_ERROR_UNSUPPORTED);
-  EXPECT_NE(what.find("3 x 3 x 1"), std::string::npos) << what;
+  EXPECT_NE(what.find("3 x 1 x 3"), std::string::npos) << what;
   EXPECT_EQ(status_of([&] { (void)insitu::vtk::attach(mesh, nullptr); }), INSITU_ERROR_ARGUMENT);
   EXPECT_TRUE(mesh.audit().empty()); // nothing of the refused sets was given
 }

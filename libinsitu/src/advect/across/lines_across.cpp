@@ -338,7 +338,7 @@ LinePieces trace_lines_across(const Across& across, const query::Sampler& sample
   std::vector<Vec3d> starts;
   const std::int64_t per_seed = settings.direction == Direction::both ? 2 : 1;
   across.world.agree_after([&] {
-    check_velocity(velocity);
+    check_velocity(velocity, sampler.mesh());
     check_settings(settings.integrator);
     check_line_effects(settings);
     steady.integrator = settings_for(velocity, settings.integrator);

@@ -123,7 +123,7 @@ Advance Tracer::advance(const Across& across, const query::Sampler& sampler,
   std::optional<Interval> interval;
   across.world.agree_after([&] {
     check_interval(t0, t1);
-    steps = check_fields(velocity, earlier_velocity, before);
+    steps = check_fields(sampler, velocity, earlier_velocity, before);
     interval.emplace(Interval::Asked{sampler, velocity, steps, t0, t1, threads, snapshots, before,
                                      exits_, &across},
                      settings_, effects_, particles_);

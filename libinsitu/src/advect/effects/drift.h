@@ -16,11 +16,11 @@ inline math::Vec3d velocity_of(const Drift& drift, const query::Sampler& sampler
                                const query::Location& at, const StepTimes& times, double t) {
   if (!drift.field)
     return drift.constant;
-  double u[3];
+  double u[3] = {0.0, 0.0, 0.0};
   drift.field->value(sampler, at, times, t, u);
   if (drift.field->now.components == 1)
     return (drift.factor * u[0]) * drift.direction;
-  return drift.factor * math::Vec3d{u[0], u[1], u[2]};
+  return drift.factor * math::Vec3d{u[0], u[1], sampler.mesh().is_flat ? 0.0 : u[2]};
 }
 
 /// The velocity on a mesh with what drifts add to it. Integrators see the sum, so its error is

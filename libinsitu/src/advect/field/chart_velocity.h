@@ -294,7 +294,7 @@ private:
   }
 
   static bool is_field_of_vectors(const Drift& drift) {
-    return drift.field && drift.field->now.components == 3;
+    return drift.field && drift.field->now.components > 1;
   }
 
   /// Along the east and north of the image's chart, as fields of three components are there.

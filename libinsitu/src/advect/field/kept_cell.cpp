@@ -61,7 +61,7 @@ void KeptCell::open(std::int64_t id, const Moment& moment) {
   c.count = piece.vertex_ids(local, c.ids);
   if (has_points(piece))
     prefetch(piece.points.component, piece.points.layout, c.ids, c.count);
-  if (moment.is_by_cell())
+  if (moment.is_by_cell() || moment.components() != 3)
     return;
   for (int step = 0; step < moment.steps(); ++step) {
     const mesh::FieldPieceView& from = moment.field(step).pieces[c.piece];
@@ -96,13 +96,14 @@ void KeptCell::load(const Moment& moment) {
   values = by_cell ? 1 : c.count;
   for (int step = 0; step < moment.steps(); ++step) {
     const mesh::FieldPieceView& from = moment.field(step).pieces[c.piece];
-    if (!by_cell && from.layout.linear && !from.behind) {
+    if (!by_cell && from.layout.linear && !from.behind && moment.components() == 3) {
       read(from.component, from.layout, from.is_float32, c.ids, c.count, velocity[step]);
       continue;
     }
     for (int i = 0; i < values; ++i) {
       const std::int64_t item = by_cell ? local : c.ids[i];
-      velocity[step][i] = {from.load(item, 0), from.load(item, 1), from.load(item, 2)};
+      velocity[step][i] = {from.load(item, 0), from.load(item, 1),
+                           moment.components() > 2 ? from.load(item, 2) : 0.0};
     }
   }
 }

@@ -11,15 +11,25 @@ Moment::Moment(const query::Sampler& sampler, const mesh::FieldView& now,
       moves_(sampler.mesh().earlier_points && t1 != t0), accuracy_(accuracy) {
   for (int step = 1; step < steps_; ++step)
     fields_[step] = earlier.fields[std::size_t(step - 1)];
+  if (sampler.mesh().is_flat)
+    for (int step = 0; step < steps_; ++step)
+      fields_[step].components = 2;
+}
+
+Vec3d Moment::at_step(const double* values, int step) const {
+  const double* const v = values + components() * step;
+  return {v[0], v[1], components() > 2 ? v[2] : 0.0};
 }
 
 Sampled Moment::interpolate(const query::Location& at, Vec3d& v) const {
   double u[3 * most_steps];
   sampler_->interpolate(fields(), at, u);
-  return blend([&](int step) { return Vec3d{u[3 * step], u[3 * step + 1], u[3 * step + 2]}; }, v);
+  return blend([&](int step) { return at_step(u, step); }, v);
 }
 
 Vec3d Moment::gradient(const query::Location& at, int component, double t) const {
+  if (component >= components())
+    return {};
   const auto of = [&](int step) {
     return sampler_->gradient(fields_[step], component, at, geometry_alpha_at(t));
   };
@@ -41,7 +51,7 @@ Vec3d Moment::rate_of_change(const query::Location& at, double t) const {
   times_.rates(t, steps_, w);
   Vec3d sum;
   for (int step = 0; step < steps_; ++step)
-    sum += w[step] * Vec3d{u[3 * step], u[3 * step + 1], u[3 * step + 2]};
+    sum += w[step] * at_step(u, step);
   return sum;
 }
 

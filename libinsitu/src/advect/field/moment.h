@@ -64,6 +64,8 @@ public:
   /// The steps through which the velocity is interpolated, from 1, which is the current one alone.
   int steps() const { return steps_; }
   const mesh::FieldView& field(int step) const { return fields_[step]; }
+  /// Of the velocity: 3, or 2 on a flat mesh, whatever the field has.
+  int components() const { return fields_[0].components; }
   bool is_by_cell() const { return fields_[0].association == INSITU_CELL; }
   /// Whether the vertices move between the steps.
   bool moves() const { return moves_; }
@@ -103,6 +105,8 @@ private:
       v += weights_[step] * of_step(step);
     return v;
   }
+  /// The velocity of a step, of the components of all steps.
+  math::Vec3d at_step(const double* values, int step) const;
   std::span<const mesh::FieldView> fields() const { return {fields_, std::size_t(steps_)}; }
 
   const query::Sampler* sampler_;

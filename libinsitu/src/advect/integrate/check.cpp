@@ -18,8 +18,9 @@ std::string number(double value) {
 
 } // namespace
 
-void check_velocity(const mesh::FieldView& velocity) {
-  if (velocity.components != 3)
+void check_velocity(const mesh::FieldView& velocity, const mesh::MeshView& mesh) {
+  const bool may_be_flat = mesh.is_flat || mesh.cell_count() == 0;
+  if (velocity.components != 3 && !(may_be_flat && velocity.components == 2))
     throw core::Error(INSITU_ERROR_FIELD, "tracer: velocity '" + std::string(velocity.name) +
                                               "' needs 3 components, it has " +
                                               std::to_string(velocity.components));

@@ -8,8 +8,8 @@
 
 namespace insitu::advect {
 
-/// Throws Error(INSITU_ERROR_FIELD) unless the field has three components.
-void check_velocity(const mesh::FieldView& velocity);
+/// Throws Error(INSITU_ERROR_FIELD) unless the field has three components, or two on a flat mesh.
+void check_velocity(const mesh::FieldView& velocity, const mesh::MeshView& mesh);
 
 /// The settings for this velocity. A cell field jumps at every face, and is itself no better than a
 /// cell: unless the smallest step was given, it is a hundredth of a cell.

@@ -32,7 +32,7 @@ Streamlines trace_streamlines(const query::Sampler& sampler, const mesh::FieldVi
                               std::span<const math::Vec3d> seeds,
                               const StreamlineSettings& settings, const core::Threads& threads,
                               core::Memory& memory) {
-  check_velocity(velocity);
+  check_velocity(velocity, sampler.mesh());
   StreamlineSettings steady = settings;
   check_settings(settings.integrator);
   check_line_effects(settings);

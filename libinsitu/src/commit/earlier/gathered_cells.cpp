@@ -249,7 +249,8 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
                                                    const query::ChartImage* chart,
                                                    parallel::World& world, core::Memory& memory,
                                                    const core::Threads& threads) {
-  std::int64_t facts[] = {here ? std::int64_t(kind_of(here->adaptive())) : 0, chart != nullptr};
+  std::int64_t facts[] = {here ? std::int64_t(kind_of(here->adaptive())) : 0, chart != nullptr,
+                          here && here->view_->is_flat};
   world.reduce(std::span(facts), parallel::Reduction::greatest);
   const Kind kind = Kind(facts[0]);
   std::optional<query::ChartImage> before;
@@ -308,6 +309,7 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
     } else {
       mesh::CellsCopy copy = cells.copy(memory, threads);
       copy.set_one_mesh(before.has_value());
+      copy.set_flat(facts[2] != 0);
       mesh = restored(cells.step, std::move(copy), before, memory, threads);
       if (mesh && kind == Kind::dual_cells)
         mesh->know_sound(threads);

@@ -166,6 +166,8 @@ void Geodetic::set_views(const mesh::MeshView& own) {
   view_.piece_count = std::int32_t(pieces_.size());
   view_.halo_piece_count = view_.piece_count - solvers - std::int32_t(own_copies_);
   view_.one_mesh = solvers == 1;
+  view_.is_flat = own.is_flat;
+  view_.plane = own.plane;
 }
 
 query::Location Geodetic::own(const query::Location& at, const math::Vec3d& /*p*/) const {

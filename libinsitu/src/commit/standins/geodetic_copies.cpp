@@ -108,7 +108,7 @@ void Geodetic::gather(const mesh::FieldView& own, Gathered& to) const {
       double* const at = values.data() + i * std::size_t(n);
       for (int c = 0; c < n; ++c)
         at[c] = own.pieces[p].load(flat - first[p], c);
-      if (n != 3 || from.pole == Pole::none)
+      if (!own_->is_vector(own) || from.pole == Pole::none)
         continue;
       const Turn turn = of_cells ? from.cell_turns[i] : from.vertex_turns[i];
       const double east = at[0], north = at[1];

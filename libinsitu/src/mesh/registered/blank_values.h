@@ -13,7 +13,8 @@ namespace insitu::mesh {
 /// own type. An item has no value if one of its components is a blank one, or if it is hidden.
 class BlankedValues {
 public:
-  explicit BlankedValues(core::Memory& memory) : values_(memory, INSITU_MEMORY_BLANK) {}
+  explicit BlankedValues(core::Memory& memory, insitu_purpose purpose = INSITU_MEMORY_BLANK)
+      : values_(memory, purpose) {}
 
   /// blanks: compared as the field's type holds them. hidden: one byte an item whose bit 2 hides
   /// it, or null. threads: or null.

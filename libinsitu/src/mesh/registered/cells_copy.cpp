@@ -110,7 +110,7 @@ std::int64_t CellsCopy::bytes_for(const MeshView& mesh, const core::Threads& thr
 
 void CellsCopy::copy(const MeshView& from, const core::Threads& threads) {
   pieces_.clear();
-  one_mesh_ = from.one_mesh;
+  traits_ = (from.one_mesh ? one_mesh : 0) | (from.is_flat ? flat : 0);
   std::int64_t end = 0;
   std::vector<Piece> pieces(std::size_t(from.piece_count));
   std::vector<std::vector<std::int64_t>> before(pieces.size());
@@ -139,7 +139,7 @@ void CellsCopy::append(const CellsCopy& behind) {
         *place += std::int64_t(at);
     pieces_.push_back(piece);
   }
-  one_mesh_ = 0; // whether pieces share interior was looked for in each part alone
+  set_one_mesh(false); // whether pieces share interior was looked for in each part alone
 }
 
 void CellsCopy::release() {
@@ -193,14 +193,15 @@ const MeshView& CellsCopy::on(const math::Vec3d* points) {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(pieces_.size());
-  view_.one_mesh = one_mesh_ != 0;
+  view_.one_mesh = (traits_ & one_mesh) != 0;
+  view_.is_flat = (traits_ & flat) != 0;
   return view_;
 }
 
 void CellsCopy::keep(core::Archive& archive) {
   archive.array("earlier cells' pieces", pieces_);
   archive.array("earlier cells", bytes_);
-  archive.value("earlier cells are one", one_mesh_);
+  archive.value("earlier cells are one, or flat", traits_);
 }
 
 } // namespace insitu::mesh

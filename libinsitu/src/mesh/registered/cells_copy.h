@@ -24,7 +24,9 @@ public:
   /// Adds the pieces of another copy behind these.
   void append(const CellsCopy& behind);
   /// Whether pieces lie apart may change while the cells stay (MeshView::one_mesh).
-  void set_one_mesh(bool one) { one_mesh_ = one; }
+  void set_one_mesh(bool one) { traits_ = (traits_ & ~one_mesh) | (one ? one_mesh : 0); }
+  /// Whether they are a flat mesh's (MeshView::is_flat).
+  void set_flat(bool is_flat) { traits_ = (traits_ & ~flat) | (is_flat ? flat : 0); }
   bool empty() const { return pieces_.empty(); }
 
   /// The cells on vertices at points [vertex, flat], as long as neither this nor they move.
@@ -51,7 +53,8 @@ private:
 
   std::vector<Piece> pieces_;
   core::Buffer<std::byte> bytes_;
-  std::int64_t one_mesh_ = 0;
+  static constexpr std::int64_t one_mesh = 1, flat = 2;
+  std::int64_t traits_ = 0;
   std::vector<PieceView> views_;
   std::vector<std::int64_t> first_cell_, first_vertex_;
   MeshView view_;

@@ -92,6 +92,9 @@ void Mesh::Piece::set_cells_view(PieceView cells) {
   connectivity = types = offsets = {};
   face_arrays.clear();
   faces.reset();
+  flat_cells = {};
+  flat.reset();
+  left_out.reset();
   for (ExternalArray& axis : axes)
     axis = {};
   has_cells = true;
@@ -121,17 +124,21 @@ void Mesh::set_points(std::int32_t piece, const insitu_array* arrays, std::int32
   refuse_if_adaptive(name);
   std::vector<ExternalArray> adopted = adopt_all(arrays, array_count, name, Pointers::refused);
   const Components joined = join(adopted, name);
-  if (joined.base.size() != 3)
-    throw Error(INSITU_ERROR_ARGUMENT, name + ": " + std::to_string(joined.base.size()) +
-                                           " components, 3 expected (one array of 3, or 3 arrays)");
+  const auto components = int(joined.base.size());
+  if (components != 3 && components != 2)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                name + ": " + std::to_string(components) +
+                    " components, 3 expected (one array of 3, or 3 arrays), or 2 of a flat mesh");
   Piece& p = piece_for(piece);
   // The same vertices in another place are changed geometry; another number is another topology.
-  pending_ |= p.has_points && p.view.points.layout.count == joined.layout.count
+  pending_ |= p.has_points && p.view.points.layout.count == joined.layout.count &&
+                      p.point_components == components
                   ? INSITU_CHANGED_GEOMETRY
                   : INSITU_CHANGED_ALL;
   std::copy(joined.base.begin(), joined.base.end(), p.view.points.component);
   p.view.points.layout = joined.layout;
   p.view.points.is_float32 = joined.is_float32;
+  p.point_components = components;
   p.points = std::move(adopted);
   p.has_points = true;
 }
@@ -150,8 +157,11 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
   if (cells->layout < INSITU_LAYOUT_UNIFORM || cells->layout > INSITU_LAYOUT_PADDED)
     refuse("unknown layout " + std::to_string(int(cells->layout)));
   const bool mixed = cells->layout == INSITU_LAYOUT_MIXED;
-  if (!mixed && !is_shape(int(cells->shape)))
+  const bool flat = !mixed && is_flat_shape(int(cells->shape));
+  if (!mixed && !flat && !is_shape(int(cells->shape)))
     refuse("unknown shape " + std::to_string(int(cells->shape)));
+  if (cells->layout == INSITU_LAYOUT_PADDED && cells->shape == INSITU_TRIANGLE)
+    refuse("padded triangles; the shape of 4 ids is PIXEL or QUAD");
 
   PieceView v;
   v.layout = cells->layout == INSITU_LAYOUT_UNIFORM ? CellLayout::uniform
@@ -159,8 +169,8 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
                                                     : CellLayout::padded;
   v.cell_count = cells->count;
   v.index_base = cells->index_base;
-  v.uniform_shape = mixed ? Shape::none : Shape(cells->shape);
-  if (cells->layout == INSITU_LAYOUT_PADDED && v.uniform_shape != Shape::voxel)
+  v.uniform_shape = mixed || flat ? Shape::none : Shape(cells->shape);
+  if (cells->layout == INSITU_LAYOUT_PADDED && !flat && v.uniform_shape != Shape::voxel)
     v.uniform_shape = Shape::hexahedron;
 
   const ExternalArray connectivity = adopt(&cells->connectivity, name + ", connectivity");
@@ -191,8 +201,10 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
     v.types_stride = types.layout.stride[0];
     v.offsets = index_view(offsets);
   } else {
-    const int expected =
-        cells->layout == INSITU_LAYOUT_PADDED ? 8 : vertex_count(Shape(cells->shape));
+    const int expected = flat ? (cells->shape == INSITU_TRIANGLE ? 3 : 4)
+                         : cells->layout == INSITU_LAYOUT_PADDED
+                             ? 8
+                             : vertex_count(Shape(cells->shape));
     if (connectivity.components != expected)
       refuse("connectivity: " + std::to_string(connectivity.components) + " ids a cell, " +
              std::to_string(expected) + " expected");
@@ -207,6 +219,10 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
   p.connectivity = connectivity;
   p.types = types;
   p.offsets = offsets;
+  if (flat)
+    p.flat_cells = {cells->layout == INSITU_LAYOUT_UNIFORM ? FlatCells::Kind::uniform
+                                                           : FlatCells::Kind::padded,
+                    std::uint8_t(cells->shape)};
   pending_ |= INSITU_CHANGED_ALL;
 }
 
@@ -219,12 +235,19 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
   const insitu_block copy = core::from_caller(given, name), *const block = &copy;
   if (block->kind < INSITU_BLOCK_UNIFORM || block->kind > INSITU_BLOCK_CURVILINEAR)
     refuse("unknown kind " + std::to_string(int(block->kind)));
+  const int dimensions = block->dimensions;
+  if (dimensions != 2 && dimensions != 3)
+    refuse("dimensions " + std::to_string(dimensions) + ", 2 or 3 expected");
+  if (dimensions == 2 && (block->vertices[2] < 0 || block->vertices[2] > 1))
+    refuse(std::to_string(block->vertices[2]) +
+           " vertices along axis 2; a flat block (dimensions 2) has one");
   PieceView v;
   v.layout = CellLayout::block;
   v.uniform_shape = Shape::hexahedron;
   v.cell_count = v.vertex_count = 1;
+  v.block_vertices[2] = 1;
   ExternalArray axes[3];
-  for (int a = 0; a < 3; ++a) {
+  for (int a = 0; a < dimensions; ++a) {
     const std::int64_t n = block->vertices[a];
     if (n < 0 || n > (std::int64_t(1) << 20))
       refuse(std::to_string(n) + " vertices along axis " + std::to_string(a) +
@@ -267,6 +290,8 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
   p.set_cells_view(v);
   std::copy(axes, axes + 3, p.axes);
   p.is_block = true;
+  if (dimensions == 2)
+    p.flat_cells = {FlatCells::Kind::block, 9};
   pending_ |= INSITU_CHANGED_ALL;
 }
 

@@ -16,6 +16,7 @@
 #include "mesh/registered/blank_values.h"
 #include "mesh/registered/earlier_step.h"
 #include "mesh/registered/external_array.h"
+#include "mesh/registered/flat_piece.h"
 #include "mesh/view.h"
 
 namespace insitu::mesh {
@@ -101,6 +102,25 @@ public:
   /// Whether all coordinates of view() are finite and below this, read or not.
   bool vertices_are_within(double bound, const core::Threads& threads) const;
 
+  // Of a flat mesh, whose cells stand upright in its views (mesh_flat.cpp).
+  bool is_flat() const { return view_.is_flat; }
+  /// What was found of its cells at the last update() that looked at them.
+  const FlatFacts& flat_facts() const { return flat_facts_; }
+  /// From the next update() on the plane and the thickness are those of these facts, of which
+  /// flat_facts() are a part; null: those of flat_facts().
+  void set_whole_flat(const FlatFacts* whole) { whole_flat_ = whole; }
+  /// How long a unit of the first two coordinates is in units of the third, and what a full turn
+  /// of the first is (0: none); from the next change of topology on.
+  void set_flat_units(const FlatUnits& units) { flat_units_ = units; }
+  /// Tells of cells of lower dimension that are left out, of the last update(); "": none are.
+  std::string left_out() const;
+  /// Has the next update() look at flat cells again, since arrays may have changed unsaid.
+  void look_again() { flat_is_stale_ = true; }
+  /// Copies made of flat cells.
+  void audit_flat(std::vector<insitu_audit_entry>& entries) const;
+  /// The number of vertices as the solver counts, without those of a halo.
+  std::int64_t solver_vertex_count() const;
+
   /// Whether a piece has cells that are given by faces.
   bool has_faces() const;
   /// Of a piece, as of the last update(): its faces, or null where cells have shapes.
@@ -132,7 +152,8 @@ public:
 
   /// Whether all pieces that have any have global ids, as of the last update().
   bool has_global_ids(insitu_association association) const { return has_global_ids_[association]; }
-  /// Of a cell or vertex of own_view(); -1 if there are none.
+  /// Of a cell or vertex of own_view(); -1 if there are none. Of a flat mesh's vertices twice the
+  /// solver's, and 1 added above the plane.
   std::int64_t global_id(insitu_association association, std::int64_t flat) const;
   /// Empty if the global ids of the cells that own points ascend, from piece to piece and in each;
   /// else where they do not.
@@ -203,6 +224,10 @@ private:
         face_arrays; ///< those given, and their names
     std::optional<FacesView> faces;
     AmrPiece amr;
+    int point_components = 3;
+    FlatCells flat_cells; ///< if the cells are flat: what they are
+    std::shared_ptr<FlatPiece> flat;
+    std::shared_ptr<LeftOutCells> left_out;
 
     /// What is registered apart from the cells stays, whichever is registered first.
     void set_cells_view(PieceView cells);
@@ -221,6 +246,7 @@ private:
     bool is_float32 = false;
     bool pointers_checked = true;
     std::shared_ptr<BlankedValues> blanked; ///< read instead, if not null
+    std::shared_ptr<BlankedValues> in_rows; ///< the same, of a flat mesh's vertices
 
     FieldPieceView view() const {
       return {components.data(), layout, is_float32, behind.empty() ? nullptr : behind.data()};
@@ -264,6 +290,10 @@ private:
   bool hides_points(const Field& field, std::size_t p) const;
   bool has_blanks(const Field& field) const;
   void audit_blanks(std::vector<insitu_audit_entry>& entries) const;
+  void find_flat_pieces(const core::Threads* threads);
+  void update_flat(const core::Threads* threads);
+  void add_flat_view(FieldPiece& piece, std::size_t p, int components, FieldPieceView& view,
+                     const core::Threads* threads) const;
   void add_view(Field& field, std::size_t p, const core::Threads* threads) const;
   // Adaptive meshes.
   void refuse_if_adaptive(const std::string& name) const;
@@ -277,6 +307,12 @@ private:
   std::string global_ids_descend_;
   std::vector<Piece> pieces_;
   std::vector<std::unique_ptr<Field>> fields_;
+  // Flat meshes.
+  bool has_flat_pieces_ = false, flat_is_stale_ = false;
+  FlatFacts flat_facts_;
+  const FlatFacts* whole_flat_ = nullptr;
+  FlatUnits flat_units_;
+  FlatSlab slab_;
   // Views.
   std::vector<PieceView> piece_views_;
   std::vector<std::int64_t> first_cell_{0}, first_vertex_{0};

@@ -102,7 +102,12 @@ std::int64_t Mesh::global_id(insitu_association association, std::int64_t flat) 
   const std::vector<std::int64_t>& first = association == INSITU_CELL ? first_cell_ : first_vertex_;
   const std::size_t p =
       std::size_t(std::upper_bound(first.begin(), first.end(), flat) - first.begin()) - 1;
-  return load_id(pieces_[p].global_ids[association], flat - first[p]);
+  const ExternalArray& ids = pieces_[p].global_ids[association];
+  const std::int64_t item = flat - first[p];
+  if (association == INSITU_CELL || !pieces_[p].flat)
+    return load_id(ids, item);
+  const std::int64_t vertex = piece_views_[p].solver_vertex(item);
+  return 2 * load_id(ids, vertex) + ((vertex == item) == pieces_[p].flat->top_first());
 }
 
 /// Checks the ids of a piece, if they may be others than at the last update, and whether those of

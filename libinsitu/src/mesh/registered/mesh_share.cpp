@@ -9,6 +9,14 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
   separate_pieces_ = from.separate_pieces_;
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     Piece& piece = pieces_[p];
+    if (piece.flat) { // as the volume cells that it stands as
+      piece.view = from.piece_views_[p];
+      piece.view.flat_vertices = 0;
+      piece.flat_cells = {};
+      piece.flat.reset();
+      piece.left_out.reset();
+      piece.global_ids[INSITU_VERTEX] = {};
+    }
     const std::int64_t first = from.first_vertex_[p];
     insitu_array array = insitu_array_default();
     array.data = points + first;
@@ -31,12 +39,19 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
   fields_.clear();
   for (const auto& field : from.fields_) {
     Field& to = *fields_.emplace_back(std::make_unique<Field>(*field));
-    for (FieldPiece& piece : to.pieces) {
+    for (std::size_t p = 0; p < to.pieces.size(); ++p) {
+      FieldPiece& piece = to.pieces[p];
       piece.pointers_checked = true; // by from's update()
       if (piece.blanked) {           // as from has made them
         piece.components = piece.blanked->components();
         piece.behind.clear();
         piece.layout = piece.blanked->layout();
+      }
+      if (p < from.pieces_.size() && from.pieces_[p].flat && to.association == INSITU_VERTEX) {
+        const FieldPieceView& twice = field->views[p];
+        piece.components.assign(twice.component, twice.component + to.components);
+        piece.behind.clear();
+        piece.layout = twice.layout;
       }
     }
     if (from.has_blanks(*field))

@@ -51,7 +51,7 @@ void Mesh::check_field(const Field& field) const {
                                              "(INSITU_CELL)");
     const std::int64_t expected = amr_    ? amr_pieces_[p].cell_count
                                   : cells ? pieces_[p].view.cell_count
-                                          : piece_views_[p].vertex_count;
+                                          : vertices_of(pieces_[p]);
     if (field.pieces[p].layout.count != expected)
       throw Error(INSITU_ERROR_FIELD,
                   name + ", piece " + std::to_string(p) + ": " +
@@ -80,6 +80,7 @@ void Mesh::update(const core::Threads* threads) {
   }
   for (std::size_t p = 0; p < pieces_.size(); ++p)
     check_piece(p);
+  update_flat(threads);
   check_global_ids(threads);
   piece_views_.clear();
   first_cell_.assign(1, 0);
@@ -94,9 +95,13 @@ void Mesh::update(const core::Threads* threads) {
                       " of the pieces before; a mesh holds at "
                       "most " +
                       std::to_string(most_cells));
-    piece_views_.push_back(p.view.cell_count > 0 ? p.view : PieceView{});
-    if (p.view.cell_count > 0)
-      piece_views_.back().vertex_count = vertices_of(p);
+    PieceView& view = piece_views_.emplace_back(p.view.cell_count == 0 ? PieceView{}
+                                                : p.flat               ? p.flat->view()
+                                                                       : p.view);
+    if (p.view.cell_count > 0 && !p.flat)
+      view.vertex_count = vertices_of(p);
+    if (p.left_out)
+      p.left_out->put_in(view);
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
@@ -125,6 +130,8 @@ void Mesh::set_views() {
   view_.piece_count = std::int32_t(piece_views_.size());
   view_.halo_piece_count = std::int32_t(piece_views_.size() - pieces_.size());
   view_.join_pieces = !separate_pieces_;
+  view_.is_flat = has_flat_pieces_;
+  view_.plane = has_flat_pieces_ ? slab_.plane : 0.0;
   hide_earlier(); // of cells that may be others by now, until they are shown again
 }
 
@@ -181,8 +188,11 @@ void Mesh::update_fields(const core::Threads* threads) {
     for (std::size_t i = 0; i < pieces_.size(); ++i)
       if (first_cell_[i + 1] == first_cell_[i])
         field->views.push_back({no_values, {}, false, nullptr});
-      else
+      else {
         add_view(*field, i, threads);
+        if (pieces_[i].flat && field->association == INSITU_VERTEX)
+          add_flat_view(field->pieces[i], i, field->components, field->views.back(), threads);
+      }
     for (std::size_t i = 0; halo_ && i < halo_->pieces().size(); ++i)
       field->views.push_back(halo_->values(field->name, i));
   }

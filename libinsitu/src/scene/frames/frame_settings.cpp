@@ -266,7 +266,12 @@ render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::Comm
   const Bounds bounds{box.low, box.high, aspect_of(frame_)};
   const double place = from.path_by_time ? step.time : double(step.cycle);
   const bool is_placed = (from.path.empty() ? from.position : from.path[0].position).has_value();
-  const Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
+  Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
+  const bool has_angles = view.has_angles || (!from.path.empty() && from.path[0].has_angles);
+  if (mesh.is_flat() && !has_angles && !from.on_earth) {
+    view.azimuth = -90; // north is up
+    view.elevation = 90;
+  }
   render::Camera to;
   if (!is_placed)
     // An orthographic camera stands before the whole mesh.

@@ -119,9 +119,11 @@ void parse_placement(const MapReader& map, Viewpoint& view) {
 
 void parse_viewpoint(const MapReader& map, Viewpoint& view, double most_azimuth) {
   if (const auto azimuth = map.find("azimuth")) {
+    view.has_angles = true;
     assign(view.azimuth, azimuth->number({-most_azimuth, most_azimuth}));
   }
   if (const auto elevation = map.find("elevation")) {
+    view.has_angles = true;
     assign(view.elevation, elevation->number({-90, 90}));
   }
   if (const auto zoom = map.find("zoom")) {

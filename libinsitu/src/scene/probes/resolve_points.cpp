@@ -105,6 +105,7 @@ ScenePoints resolve_points(const PointSource& source, const FrameOfReference& fr
         (used.line > 0 ? scene_file + ":" + std::to_string(used.line) + ": " : std::string()) +
             e.what());
   }
+  mesh.to_plane(out.mesh_points);
   return out;
 }
 

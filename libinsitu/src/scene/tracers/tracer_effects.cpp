@@ -96,8 +96,12 @@ advect::AtBoundary response_of(WallResponse response) {
 /// field(name): a field as drifts see it.
 template <class Field>
 std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_frame& frame,
-                                     Field&& field) {
+                                     bool is_flat, Field&& field) {
   std::vector<advect::Drift> drifts;
+  if (from.settling && is_flat && !from.settling->velocity)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "settling: a speed, on a flat mesh, which has no third direction; give the "
+                      "velocity");
   if (from.settling) {
     const math::Vec3d down =
         from.settling->down.value_or(math::Vec3d{0, 0, points_down(frame) ? 1.0 : -1.0});
@@ -105,6 +109,8 @@ std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_fra
     drift.is_local = frame.kind == INSITU_FRAME_GEOCENTRIC;
     if (from.settling->velocity) {
       drift.constant = *from.settling->velocity;
+      if (is_flat)
+        drift.constant.z = 0.0;
     } else if (from.settling->speed.field.empty()) {
       drift.constant = from.settling->speed.number * down;
     } else {
@@ -123,7 +129,7 @@ std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_fra
     advect::Drift drift;
     drift.field = field(from.windage->field, 3);
     drift.factor = from.windage->factor;
-    if (drift.field->now.components != 3) {
+    if (drift.field->now.components != 3 && !(is_flat && drift.field->now.components == 2)) {
       throw core::Error(INSITU_ERROR_FIELD, "the field '" + from.windage->field.text +
                                                 "' of windage needs 3 components, it has " +
                                                 std::to_string(drift.field->now.components));
@@ -185,16 +191,21 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
   to.geocentric = mesh.reference_frame.kind == INSITU_FRAME_GEOCENTRIC;
-  to.drifts = drifts_of(from, mesh.reference_frame, [&](const Name& name, int components) {
-    return resolve.field(name, components);
-  });
+  to.drifts = drifts_of(from, mesh.reference_frame, mesh.is_flat(),
+                        [&](const Name& name, int components) {
+                          return resolve.field(name, components);
+                        });
   if (from.diffusion) {
-    to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
-                                     resolve.coefficient(from.diffusion->vertical),
-                                     from.diffusion->step, seed_of(tracer)};
+    to.diffusion =
+        advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
+                          mesh.is_flat() ? advect::Coefficient{}
+                                         : resolve.coefficient(from.diffusion->vertical),
+                          from.diffusion->step, seed_of(tracer)};
   }
   if (from.inertia)
     to.inertia = inertia_of(from, mesh.reference_frame);
+  if (to.inertia && mesh.is_flat())
+    to.inertia->acceleration.z = 0.0;
   if (from.boundary) {
     to.boundary.emplace();
     to.boundary->response = response_of(from.boundary->other);
@@ -213,10 +224,11 @@ std::optional<advect::StepBefore> step_before(const Tracer& tracer, const commit
   for (const mesh::KeptField& of : effect_fields(tracer.effects, 1))
     if (!mesh.field(of.name))
       return std::nullopt;
-  if (!velocity || velocity->components != 3)
+  const bool is_flat = mesh.sampler().mesh().is_flat;
+  if (!velocity || (velocity->components != 3 && !(is_flat && velocity->components == 2)))
     return std::nullopt;
   return advect::StepBefore{mesh.sampler(), *velocity,
-                            drifts_of(tracer.effects, frame, [&](const Name& name, int) {
+                            drifts_of(tracer.effects, frame, is_flat, [&](const Name& name, int) {
                               return advect::FieldInTime{*mesh.field(name.text), {}};
                             })};
 }

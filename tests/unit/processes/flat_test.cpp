@@ -1,0 +1,156 @@
+// Flat meshes over processes: the files of one process, to the byte.
+#include <cmath>
+#include <map>
+
+#include "part_session.h"
+#include "unit/flat/flat_meshes.h"
+
+using namespace insitu;
+using namespace insitu::test;
+using flat_meshes::Flat;
+using flat_meshes::Kind;
+
+namespace {
+
+/// The cells of a mesh that a process has, in their order, with vertices in another order.
+struct FlatPart {
+  std::vector<std::int64_t> cells, vertices; ///< of the whole
+  std::vector<double> xy, p, u, c;
+  std::vector<std::int32_t> ids; ///< padded
+
+  FlatPart(const Flat& whole, const std::vector<int>& process, int rank) {
+    std::map<int, int> local;
+    for (std::size_t cell = 0; cell < whole.cells.size(); ++cell)
+      if (process[cell] == rank)
+        cells.push_back(std::int64_t(cell));
+    for (auto cell = cells.rbegin(); cell != cells.rend(); ++cell) // numbers as they come
+      for (const int v : whole.cells[std::size_t(*cell)])
+        if (local.emplace(v, int(vertices.size())).second)
+          vertices.push_back(v);
+    for (const std::int64_t v : vertices)
+      xy.insert(xy.end(), {whole.x[std::size_t(v)], whole.y[std::size_t(v)]});
+    for (const std::int64_t cell : cells) {
+      const std::vector<int>& ring = whole.cells[std::size_t(cell)];
+      for (std::size_t v = 0; v < 4; ++v)
+        ids.push_back(v < ring.size() ? local.at(ring[v]) : -1);
+    }
+  }
+  void give(mesh::Mesh& to) {
+    const auto array = [](const auto& values, insitu_type type, int components) {
+      return insitu_array_of(values.data(), type, std::int64_t(values.size()) / components,
+                             components);
+    };
+    const insitu_array points = array(xy, INSITU_FLOAT64, 2);
+    to.set_points(0, &points, 1);
+    insitu_cells given = insitu_cells_default();
+    given.layout = INSITU_LAYOUT_PADDED;
+    given.shape = INSITU_QUAD;
+    given.count = std::int64_t(cells.size());
+    given.connectivity = array(ids, INSITU_INT32, 4);
+    to.set_cells(0, &given);
+    insitu_array numbers = array(cells, INSITU_INT64, 1);
+    to.set_global_ids(0, INSITU_CELL, &numbers);
+    numbers = array(vertices, INSITU_INT64, 1);
+    to.set_global_ids(0, INSITU_VERTEX, &numbers);
+  }
+  void give_fields(mesh::Mesh& to, double t, double middle) {
+    p.clear(), u.clear(), c.clear();
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      const double x = xy[2 * v] - middle, y = xy[2 * v + 1] - middle;
+      p.push_back(std::sin(x + t) + x * y);
+      u.insert(u.end(), {-y, x});
+    }
+    for (const std::int64_t cell : cells)
+      c.push_back(std::cos(0.1 * double(cell) + t));
+    const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
+                          int components) {
+      const insitu_array array = insitu_array_of(
+          values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
+      to.set_field(0, name, of, &array, 1);
+    };
+    give("p", INSITU_VERTEX, p, 1);
+    give("u", INSITU_VERTEX, u, 2);
+    give("c", INSITU_CELL, c, 1);
+  }
+};
+
+const char* const scene = R"(insitu: 1
+page: false
+probes:
+  - {name: probes, points: {box: {min: [0, 0, 7], max: [6, 6, 7], counts: [13, 13, 1]}}, fields: [p, u, c]}
+tracers:
+  - {name: paths, velocity: u, kind: pathline, seeds: {box: {min: [1, 1, 0], max: [5, 5, 0], counts: [5, 5, 1]}}, fields: [p, c], output: [csv, vtp]}
+  - {name: kept, velocity: u, seeds: {box: {min: [0, 0, 3], max: [6, 6, 3], counts: [5, 5, 1]}}, effects: [{boundary: slide}], output: [csv]}
+  - {name: walks, velocity: u, seeds: {box: {min: [2, 2, 0], max: [4, 4, 0], counts: [3, 3, 1]}}, effects: [{diffusion: {horizontal: 0.1, vertical: 5, seed: 3}}], output: [csv]}
+  - {name: lines, velocity: u, kind: streamline, seeds: [[1, 3, 0], [2.2, 2.5, 9]], output: [vtp]}
+frames:
+  - {name: smoke, size: [40, 36], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}}
+  - {name: surfaces, size: [40, 40], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], normals: smooth, color: {field: c}}], boundary: {color: {field: u, component: 0}}}
+)";
+
+constexpr int n = 6;
+
+/// moves: the vertices, at each step.
+std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>& process,
+                                       int processes, bool moves) {
+  const OwnFolder folder;
+  const std::string out = folder / "out";
+  run_processes(processes, [&](parallel::World& world) {
+    FlatPart part(whole, process, world.rank());
+    insitu_session_options o = insitu_session_options_default();
+    o.scene_text = scene;
+    o.output = out.c_str();
+    o.threads = 1;
+    o.log = [](insitu_log_level level, const char* message, void*) {
+      if (level <= INSITU_LOG_WARNING)
+        ADD_FAILURE() << message;
+    };
+    api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+    commit::CommittedMesh& mesh = session.mesh("m").mesh;
+    if (!part.cells.empty())
+      part.give(mesh.mesh());
+    for (int cycle = 0; cycle < 3; ++cycle) {
+      if (cycle > 0 && moves) {
+        for (std::size_t v = 0; v < part.xy.size(); v += 2)
+          part.xy[v] += 0.03 * std::sin(part.xy[v] + part.xy[v + 1]);
+        mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
+      }
+      if (!part.cells.empty())
+        part.give_fields(mesh.mesh(), 0.37 * cycle, 0.5 * n);
+      EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
+    }
+    EXPECT_EQ(session.finish(), "");
+  });
+  return files_of(out);
+}
+
+void expect_files_of_one(Kind kind, bool moves) {
+  const Flat whole = flat_meshes::flat_mesh(n, kind, true);
+  const auto slabs = [&](int processes) {
+    std::vector<int> process;
+    for (const auto& ring : whole.cells) {
+      const double x = whole.x[std::size_t(ring[0])];
+      process.push_back(std::min(processes - 1, std::max(0, int(processes * x / n))));
+    }
+    return process;
+  };
+  const auto expected = run(whole, slabs(1), 1, moves);
+  EXPECT_GE(expected.size(), 12u);
+  for (const int processes : {2, 4})
+    expect_same(expected, run(whole, slabs(processes), processes, moves),
+                std::to_string(processes));
+  std::vector<int> one_without; // the first process has no cells
+  for (std::size_t c = 0; c < whole.cells.size(); ++c)
+    one_without.push_back(1 + int(c % 2));
+  expect_same(expected, run(whole, one_without, 3, moves), "by turns");
+}
+
+} // namespace
+
+TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessToTheByte) {
+  expect_files_of_one(Kind::mixed, false);
+}
+
+TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessWhereVerticesMove) {
+  expect_files_of_one(Kind::mixed, true);
+}
