@@ -108,8 +108,8 @@ void read_types(const Node& elements, Domain& d) {
   const Shapes shapes = shapes_of(elements.at("shape_map"));
   bool in_place = leaf.type == Conduit::uint8 && leaf.stride == 1;
   for (const Mapped& m : shapes)
-    in_place = in_place && m.shape && m.number == m.shape->vtk &&
-               m.shape->dimensions == d.dimensions;
+    in_place =
+        in_place && m.shape && m.number == m.shape->vtk && m.shape->dimensions == d.dimensions;
   if (in_place) {
     d.cells.types = insitu_array_of(leaf.data, INSITU_UINT8, leaf.count, 1);
     return;
@@ -135,8 +135,8 @@ void read_types(const Node& elements, Domain& d) {
   for (std::int64_t c = 0; c < leaf.count; ++c)
     ghosts[c] = types[c] < (d.dimensions == 3 ? INSITU_TETRAHEDRON : INSITU_TRIANGLE) ? 32 : 0;
   d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
-  d.ghosts->converted = d.dimensions == 3 ? "cells without volume are hidden"
-                                          : "cells without area are hidden";
+  d.ghosts->converted =
+      d.dimensions == 3 ? "cells without volume are hidden" : "cells without area are hidden";
 }
 
 /// The sums of a relation's sizes, from 0 on: one more than there are sizes.

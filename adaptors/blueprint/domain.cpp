@@ -62,8 +62,8 @@ Node chosen_topology(const Node& mesh, const std::string& wanted) {
                 (n < 0 ? "an unknown shape" : std::to_string(n) + " dimensions");
     }
   }
-  all.refuse(INSITU_ERROR_UNSUPPORTED,
-             "has no topology of cells with volume or area" + (others.empty() ? "" : ": " + others));
+  all.refuse(INSITU_ERROR_UNSUPPORTED, "has no topology of cells with volume or area" +
+                                           (others.empty() ? "" : ": " + others));
 }
 
 /// x, y, z, or x, y.
@@ -187,9 +187,9 @@ Window read_window(const Node& dims, const std::array<std::int64_t, 3>& extent,
     if (const Node& node = stride ? strides : offsets) {
       const Leaf leaf = node.leaf();
       if (leaf.count != 3 && !(leaf.count == 2 && extent[2] == 1))
-        node.refuse(INSITU_ERROR_ARGUMENT,
-                    "has " + std::to_string(leaf.count) + " numbers; three are needed, or two of a "
-                    "flat block");
+        node.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(leaf.count) +
+                                               " numbers; three are needed, or two of a "
+                                               "flat block");
       for (std::int64_t a = 0; a < leaf.count; ++a) {
         const std::int64_t n = leaf.integer(a);
         if (std::abs(n) > most * most || n == INT64_MIN)

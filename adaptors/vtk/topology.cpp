@@ -62,8 +62,8 @@ std::string class_name(unsigned char type) {
 using Counts = bool (*)(unsigned char type);
 
 Counts counts_of(const unsigned char* type, vtkIdType cells) {
-  const bool flat = std::none_of(type, type + cells, has_volume) &&
-                    std::any_of(type, type + cells, is_surface);
+  const bool flat =
+      std::none_of(type, type + cells, has_volume) && std::any_of(type, type + cells, is_surface);
   return flat ? is_surface : has_volume;
 }
 
@@ -99,8 +99,8 @@ void hide_lower_cells(const unsigned char* type, Counts counts, Topology& t) {
       ghosts->SetValue(c, ghosts->GetValue(c) | hidden);
   t.ghosts = Watched(ghosts);
   if (!t.made_ghosts)
-    t.made_ghosts = counts == is_surface ? "cells without area are hidden"
-                                         : "cells without volume are hidden";
+    t.made_ghosts =
+        counts == is_surface ? "cells without area are hidden" : "cells without volume are hidden";
 }
 
 /// All cells, once there is a polyhedron among them.
@@ -170,9 +170,10 @@ void set_vertices(Topology& t, const int* dimensions, vtkDataSet* data) {
   for (std::size_t a = 0; a < 3; ++a) {
     t.vertices[a] = dimensions[a];
     if (dimensions[a] < 2 && !t.is_flat)
-      unsupported(std::string(data->GetClassName()) + ": " + std::to_string(dimensions[0]) + " x " +
-                  std::to_string(dimensions[1]) + " x " + std::to_string(dimensions[2]) +
-                  " points; at least 2 along each axis are needed, or along x and y of a flat grid");
+      unsupported(
+          std::string(data->GetClassName()) + ": " + std::to_string(dimensions[0]) + " x " +
+          std::to_string(dimensions[1]) + " x " + std::to_string(dimensions[2]) +
+          " points; at least 2 along each axis are needed, or along x and y of a flat grid");
   }
 }
 

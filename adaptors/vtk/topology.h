@@ -59,7 +59,8 @@ struct Topology {
 };
 
 /// Cells of fewer dimensions beside cells of volume, or of a flat mesh (boundary faces, edges), are
-/// kept in their places and hidden by ghost values. Throws Error for data sets and cells that are not supported.
+/// kept in their places and hidden by ghost values. Throws Error for data sets and cells that are
+/// not supported.
 Topology topology_of(vtkDataSet* data);
 
 bool same(const Topology& before, const Topology& now);

@@ -1,5 +1,6 @@
-/* 13: a flat mesh. Shallow water sloshes in a closed basin of triangles; the library reads x, y, the
- * surface's height and the velocity of two components. A gauge is held against the closed form. */
+/* 13: a flat mesh. Shallow water sloshes in a closed basin of triangles; the library reads x, y,
+ * the surface's height and the velocity of two components. A gauge is held against the closed form.
+ */
 #include <insitu/insitu.h>
 #include <math.h>
 #include <stdio.h>
@@ -89,7 +90,7 @@ int main(void) {
     worst = fmax(worst, fabs(value - mode(gauge[0], gauge[1], t)));
   }
   insitu_report report = insitu_report_default();
-  if (failed(insitu_session_report(session, &report)) || failed(insitu_session_close(session)))
+  if (failed(insitu_session_report(session, &report)) || failed(insitu_session_close(&session)))
     return 1;
   printf("gauge within %.4f m of the closed form, %lld bytes of volume cells, %lld frames\n", worst,
          (long long)report.bytes_by_purpose[INSITU_MEMORY_FLAT], (long long)report.frames);

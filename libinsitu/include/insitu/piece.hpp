@@ -212,8 +212,7 @@ public:
    *  i + (ni-1)*j. */
   void flat_block(std::int64_t ni, std::int64_t nj) { give(flat(ni, nj)); }
   void flat_uniform_block(const std::array<std::int64_t, 2>& vertices,
-                          const std::array<double, 2>& origin,
-                          const std::array<double, 2>& spacing,
+                          const std::array<double, 2>& origin, const std::array<double, 2>& spacing,
                           const std::array<std::int64_t, 2>& first = {0, 0}) {
     insitu_block b = flat(vertices[0], vertices[1]);
     b.kind = INSITU_BLOCK_UNIFORM;
@@ -361,9 +360,9 @@ private:
   void give(const insitu_block& block) {
     detail::check(insitu_mesh_block(handle(), index_, &block));
     const std::int64_t* n = block.vertices;
-    state_->counts(index_) = {
-        n[0] * n[1] * n[2],
-        (n[0] - 1) * (n[1] - 1) * (block.dimensions == 2 ? std::int64_t(1) : n[2] - 1)};
+    state_->counts(index_) = {n[0] * n[1] * n[2],
+                              (n[0] - 1) * (n[1] - 1) *
+                                  (block.dimensions == 2 ? std::int64_t(1) : n[2] - 1)};
   }
   static insitu_block flat(std::int64_t ni, std::int64_t nj) {
     insitu_block b = insitu_block_default();

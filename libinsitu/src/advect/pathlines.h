@@ -133,8 +133,7 @@ public:
 private:
   void check_interval(double t0, double t1) const;
   EarlierSteps check_fields(const query::Sampler& sampler, const mesh::FieldView& velocity,
-                            const EarlierSteps& earlier,
-                            const StepBefore* before) const;
+                            const EarlierSteps& earlier, const StepBefore* before) const;
   /// Whether a comes before b, on the way the particles go.
   bool is_before(double a, double b) const { return settings_.backward ? b < a : a < b; }
   /// When a particle that began at `from` has this age.

@@ -146,8 +146,7 @@ void Session::for_each_slice(
   // A conversion that fails must do so before anything is answered.
   const std::int64_t most = args.frame ? n : std::min(n, slice);
   const insitu_frame from = args.frame ? scene::read_frame(*args.frame) : mesh.reference_frame;
-  const math::Vec3d* const in_place =
-      args.frame || mesh.is_flat() ? nullptr : points.in_place();
+  const math::Vec3d* const in_place = args.frame || mesh.is_flat() ? nullptr : points.in_place();
   if (!in_place)
     query_points_.resize_discard(std::size_t(most));
   for (std::int64_t first = 0; first < n; first += most) {

@@ -27,16 +27,6 @@ std::unique_ptr<mesh::HostMirror> make_mirror(const mesh::Mesh& mesh) {
       });
 }
 
-/// A degree of latitude is so many metres, to a few in a thousand.
-mesh::FlatUnits flat_units(const insitu_frame& frame) {
-  if (frame.kind != INSITU_FRAME_GEODETIC)
-    return {};
-  const geo::ChartUnits units{frame.angle == INSITU_RADIANS, frame.length == INSITU_KILOMETRES,
-                              frame.vertical == INSITU_DOWN};
-  constexpr double around = 4e7; // metres
-  return {around / (units.kilometres ? 1e3 : 1.0) / units.turn(), units.turn()};
-}
-
 std::uint64_t next_id() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
@@ -70,7 +60,7 @@ void CommittedMesh::require_committed() const {
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
-  mesh_.set_flat_units(flat_units(reference_frame));
+  set_flat_units();
   mesh_.look_again();
   mesh_.update(&threads);
   if (mesh_.pending() == 0)
@@ -117,18 +107,6 @@ void CommittedMesh::choose_stand_in() {
     stand_in_ = make_stand_in(mesh_, reference_frame, *memory_);
   if (stand_in_)
     stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
-}
-
-/// After the mesh's update().
-void CommittedMesh::prepare_flat(bool topology, const core::Log& log) {
-  if (const std::string left_out = mesh_.left_out();
-      topology && !in_halo_commit_ && !left_out.empty())
-    log.warning(left_out);
-  if (mesh_.is_flat() && locators_.pick().backend != accel::Backend::cpu)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "mesh '" + mesh_.name() + "' is flat: it is located on the CPU, not by " +
-                          accel::name(locators_.pick().method) + " on " +
-                          accel::name(locators_.pick().backend));
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
@@ -221,14 +199,6 @@ std::vector<insitu_audit_entry> CommittedMesh::audit() const {
   if (stand_in_)
     stand_in_->audit(entries);
   return entries;
-}
-
-insitu_amr_info CommittedMesh::amr_info() const {
-  require_a_commit();
-  const auto info = stand_in_ ? stand_in_->amr_info() : std::nullopt;
-  if (!info)
-    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() + "' is not an adaptive mesh");
-  return *info;
 }
 
 void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& report,
@@ -329,7 +299,7 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
   on_device_ = mesh_.lies_on_device();
   locators_.decide(on_device_, mesh_.name(), log);
   choose_stand_in();
-  mesh_.set_flat_units(flat_units(reference_frame));
+  set_flat_units();
   mesh_.update(&threads);
   prepare_flat((pending & INSITU_CHANGED_TOPOLOGY) != 0, log);
   if (strict)

@@ -4,6 +4,7 @@
 
 #include "commit/checks/overlaps.h"
 #include "commit/committed_mesh.h"
+#include "core/status.h"
 #include "mesh/one_mesh.h"
 
 namespace insitu::commit {
@@ -72,6 +73,14 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
 void CommittedMesh::look_for_overlaps(const core::Threads& threads) {
   if (locators_.pick().method != accel::Method::bvh)
     mesh_.set_covers_once(covers_once(mesh_.view(), locators_.faces(), tree(), threads));
+}
+
+insitu_amr_info CommittedMesh::amr_info() const {
+  require_a_commit();
+  const auto info = stand_in_ ? stand_in_->amr_info() : std::nullopt;
+  if (!info)
+    throw core::Error(INSITU_ERROR_ORDER, "mesh '" + mesh_.name() + "' is not an adaptive mesh");
+  return *info;
 }
 
 } // namespace insitu::commit

@@ -134,43 +134,17 @@ void CommittedMesh::update_chart(parallel::World& world, const core::Threads& th
     adopt_whole_chart(world, threads, log);
 }
 
-/// What is known of a flat mesh becomes what all processes know. Collective.
-void CommittedMesh::reduce_flat(parallel::World& world) {
-  const mesh::FlatFacts& mine = mesh_.flat_facts();
-  mesh::FlatFacts whole = mine;
-  double ends[] = {mine.least, -mine.greatest};
-  world.reduce(std::span(ends), Reduction::least);
-  whole.least = ends[0];
-  whole.greatest = -ends[1];
-  world.reduce(std::span(whole.lengths), Reduction::sum);
-  world.reduce(std::span(&whole.volumes, 1), Reduction::sum);
-  world.agree_after([&] {
-    if (whole.any() && whole.volumes > 0)
-      throw core::Error(INSITU_ERROR_MESH,
-                        "mesh '" + mesh_.name() +
-                            "' has volume cells on some processes, and flat ones alone on others");
-    const double apart = whole.greatest - whole.least;
-    if (whole.any() && apart > mesh::FlatSlab::of(whole).out_of_plane())
-      throw core::Error(INSITU_ERROR_MESH,
-                        "mesh '" + mesh_.name() + "' is flat, but from process to process its "
-                        "planes are " + std::to_string(apart) + " apart; one plane expected");
-  });
-  whole_flat_ = whole;
-  agreed_flat_ = mine;
-  mesh_.set_whole_flat(whole.any() ? &whole_flat_ : nullptr);
-}
-
 /// Collective.
 void CommittedMesh::adopt_whole_chart(parallel::World& world, const core::Threads& threads,
                                       const core::Log& log) {
   const ChartFacts* const mine = stand_in_ ? stand_in_->chart_facts() : nullptr;
   ChartFacts whole = mine ? *mine : ChartFacts{};
   world.reduce(whole.numbers(), Reduction::least);
-  const mesh::FlatSlab slab = mesh::FlatSlab::of(whole_flat_.any() ? whole_flat_ : mesh_.flat_facts());
+  const mesh::FlatSlab slab =
+      mesh::FlatSlab::of(whole_flat_.any() ? whole_flat_ : mesh_.flat_facts());
   reduce_flat(world);
   world.agree_after([&] {
-    const bool other_slab =
-        mesh_.is_flat() && !(slab == mesh::FlatSlab::of(whole_flat_));
+    const bool other_slab = mesh_.is_flat() && !(slab == mesh::FlatSlab::of(whole_flat_));
     const bool other_chart = stand_in_ && stand_in_->set_whole_chart(whole);
     if (!other_chart && !other_slab)
       return;

@@ -75,8 +75,8 @@ struct PieceView {
   bool is_halo = false;        ///< of cells that another process owns
   /// A bit a cell: another process owns it, though the piece is no halo; null: none.
   const std::uint64_t* foreign = nullptr;
-  /// Of a flat mesh: so many vertices the solver has; `id` and `id + flat_vertices` are one of them,
-  /// below and above the plane. 0: none.
+  /// Of a flat mesh: so many vertices the solver has; `id` and `id + flat_vertices` are one of
+  /// them, below and above the plane. 0: none.
   std::int64_t flat_vertices = 0;
   /// A geo::Pole: copies of a geodetic mesh's cells, on the chart turned to it; vectors too.
   std::int8_t pole = 0;

@@ -71,7 +71,8 @@ TEST_F(FlatBlueprint, Blocks) {
   Sheet sheet;
   TestNode uniform;
   add_topology(uniform, "uniform", "uniform");
-  uniform.set("coordsets/coords/dims/i", Sheet::ni + 1).set("coordsets/coords/dims/j", Sheet::nj + 1);
+  uniform.set("coordsets/coords/dims/i", Sheet::ni + 1)
+      .set("coordsets/coords/dims/j", Sheet::nj + 1);
   uniform.set("coordsets/coords/origin/x", 1.0).set("coordsets/coords/origin/y", 2.0);
   uniform.set("coordsets/coords/spacing/dx", 0.5).set("coordsets/coords/spacing/dy", 0.25);
   add_fields(uniform, sheet);

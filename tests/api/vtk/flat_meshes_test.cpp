@@ -37,7 +37,7 @@ vtkSmartPointer<vtkPoints> flat_points(double jitter, double plane) {
 }
 
 /// Linear at the points, and a vector; the cells' numbers.
-void add_fields(vtkDataSet* data) {
+void add_flat_fields(vtkDataSet* data) {
   vtkNew<vtkDoubleArray> f, u, number;
   f->SetName("linear");
   u->SetName("velocity");
@@ -120,7 +120,7 @@ TEST(FlatVtk, UnstructuredGrids) {
     add_squares(quads, [&](int type, const std::vector<vtkIdType>& ids) {
       grid->InsertNextCell(type, vtkIdType(ids.size()), ids.data());
     });
-    add_fields(grid);
+    add_flat_fields(grid);
     compare_with_vtk(grid, 3.0);
   }
 }
@@ -134,7 +134,7 @@ TEST(FlatVtk, LinesAndVerticesBesideThemAreLeftOut) {
     grid->InsertNextCell(type, vtkIdType(ids.size()), ids.data());
   });
   grid->InsertNextCell(VTK_VERTEX, 1, line);
-  add_fields(grid);
+  add_flat_fields(grid);
   insitu::Session session;
   insitu::Mesh mesh = session.mesh("m");
   const auto attachment = insitu::vtk::attach(mesh, grid);
@@ -154,7 +154,7 @@ TEST(FlatVtk, Surfaces) {
       polys->InsertNextCell(vtkIdType(ids.size()), ids.data());
     });
     surface->SetPolys(polys);
-    add_fields(surface);
+    add_flat_fields(surface);
     compare_with_vtk(surface, -1.0);
   }
   vtkNew<vtkPolyData> curved;
@@ -185,7 +185,7 @@ TEST(FlatVtk, Surfaces) {
 TEST(FlatVtk, GridsOfOneLayer) {
   vtkNew<vtkImageData> image;
   image->SetDimensions(n + 1, n + 1, 1);
-  add_fields(image);
+  add_flat_fields(image);
   compare_with_vtk(image, 0.0);
   vtkNew<vtkRectilinearGrid> rectilinear;
   vtkNew<vtkDoubleArray> axis, z;
@@ -196,11 +196,11 @@ TEST(FlatVtk, GridsOfOneLayer) {
   rectilinear->SetXCoordinates(axis);
   rectilinear->SetYCoordinates(axis);
   rectilinear->SetZCoordinates(z);
-  add_fields(rectilinear);
+  add_flat_fields(rectilinear);
   compare_with_vtk(rectilinear, 0.0);
   vtkNew<vtkStructuredGrid> structured;
   structured->SetDimensions(n + 1, n + 1, 1);
   structured->SetPoints(flat_points(0.2, 7.0));
-  add_fields(structured);
+  add_flat_fields(structured);
   compare_with_vtk(structured, 7.0);
 }

@@ -74,7 +74,8 @@ TEST(FlatMeshes, GivenInOtherWaysAreTheSame) {
   constexpr int n = 4;
   const Flat m = flat_mesh(n, Kind::mixed, true);
   const std::vector<double> f = values_of(m);
-  // Padded, from 1, with a third coordinate far from 0 and in float; clockwise; backwards in memory.
+  // Padded, from 1, with a third coordinate far from 0 and in float; clockwise; backwards in
+  // memory.
   std::vector<std::int64_t> padded;
   for (std::size_t c = 0; c < m.cells.size(); ++c) {
     std::vector<int> ring = m.cells[c];
@@ -212,7 +213,8 @@ TEST(FlatMeshes, LowerCellsAreLeftOutWithOneWarningThatCountsThem) {
   mesh.commit();
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("1 lines, 1 vertices"), std::string::npos) << warnings[0];
-  const insitu::Samples s = mesh.sample("number", std::vector<double>{0.5, 0.5, 0, 0.5, 0, 0, 1.25, 0.25, 0, 1.75, 0.75, 0});
+  const insitu::Samples s = mesh.sample(
+      "number", std::vector<double>{0.5, 0.5, 0, 0.5, 0, 0, 1.25, 0.25, 0, 1.75, 0.75, 0});
   EXPECT_EQ(s.cells, (std::vector<std::int64_t>{1, 1, 3, 4}));
   EXPECT_EQ(s.values, (std::vector<double>{1, 1, 3, 4}));
 
@@ -220,7 +222,8 @@ TEST(FlatMeshes, LowerCellsAreLeftOutWithOneWarningThatCountsThem) {
   std::vector<double> box;
   for (int v = 0; v < 8; ++v)
     box.insert(box.end(), {double(v & 1), double((v >> 1) & 1), double(v >> 2)});
-  const std::vector<int> box_ids{0, 1, 3, 2, 0, 1, 0, 1, 3, 2, 4, 5, 7, 6, 4, 5, 7}, starts{0, 4, 6, 14, 17};
+  const std::vector<int> box_ids{0, 1, 3, 2, 0, 1, 0, 1, 3, 2, 4, 5, 7, 6, 4, 5, 7},
+      starts{0, 4, 6, 14, 17};
   const std::vector<std::uint8_t> box_types{9, 3, 12, 5};
   insitu::Mesh volume = session.mesh("volume");
   volume.points(insitu::Array(box.data(), 8));
@@ -255,7 +258,8 @@ TEST(FlatMeshes, GhostsSeveralPiecesAndNone) {
   block.vertex_field("f", insitu::Array(east));
   none.triangles(static_cast<const int*>(nullptr), 0);
   mesh.commit();
-  const insitu::Samples s = mesh.sample("f", std::vector<double>{1.5, 1.5, 0, 3, 1.5, 0, 4.5, 0.5, 7});
+  const insitu::Samples s =
+      mesh.sample("f", std::vector<double>{1.5, 1.5, 0, 3, 1.5, 0, 4.5, 0.5, 7});
   EXPECT_EQ(s.found, (std::vector<std::uint8_t>{0, 1, 1}));
   EXPECT_EQ(s.pieces, (std::vector<std::int32_t>{-1, 0, 1}));
   EXPECT_NEAR(s.values[1], linear(3, 1.5), rounding);

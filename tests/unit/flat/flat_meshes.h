@@ -10,8 +10,8 @@
 
 #include "insitu/insitu.hpp"
 
-/// Flat meshes of n x n squares of size 1, whose coordinates are few binary digits, so that areas of
-/// triangles of them are exact.
+/// Flat meshes of n x n squares of size 1, whose coordinates are few binary digits, so that areas
+/// of triangles of them are exact.
 namespace flat_meshes {
 
 struct Flat {
@@ -52,8 +52,7 @@ inline Flat flat_mesh(int n, Kind kind, bool jitter) {
 /// 1: the point is to the left of the way from a to b, 0: on its line.
 inline int side(const Flat& m, int a, int b, double px, double py) {
   const auto ia = std::size_t(a), ib = std::size_t(b);
-  const double area =
-      (m.x[ib] - m.x[ia]) * (py - m.y[ia]) - (m.y[ib] - m.y[ia]) * (px - m.x[ia]);
+  const double area = (m.x[ib] - m.x[ia]) * (py - m.y[ia]) - (m.y[ib] - m.y[ia]) * (px - m.x[ia]);
   return (area > 0) - (area < 0);
 }
 

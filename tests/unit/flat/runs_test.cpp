@@ -22,14 +22,14 @@ std::string content(const std::string& path) {
   return text.str();
 }
 
-/// The columns of a table of numbers; text is NaN.
+/// The columns of a table of numbers; text and empty cells are NaN.
 std::map<std::string, std::vector<double>> table(const std::string& path) {
   std::istringstream in(content(path));
   std::string line, cell;
   std::vector<std::string> names;
   std::map<std::string, std::vector<double>> out;
   for (bool first = true; std::getline(in, line); first = false) {
-    std::istringstream row(line);
+    std::istringstream row(line + ",");
     for (std::size_t c = 0; std::getline(row, cell, ','); ++c) {
       char* end = nullptr;
       const double value = std::strtod(cell.c_str(), &end);
@@ -46,7 +46,7 @@ constexpr int n = 8;
 
 struct Flow {
   Flow(const std::string& scene, Kind kind, const std::string& output, int components = 2,
-      double plane = 0.0)
+       double plane = 0.0)
       : m(flat_mesh(n, kind, true)), arrays(m, kind) {
     insitu::Options options;
     options.scene_text = scene;
@@ -129,6 +129,8 @@ TEST(FlatRuns, TracersOfAVortexComeBackAndStayInThePlane) {
       ASSERT_LT(p, 3u);
       EXPECT_NEAR(std::hypot(turns.at("x")[row] - 4, turns.at("y")[row] - 4),
                   std::hypot(x[p] - 4, y[p] - 4), 1e-9); // the tolerance times the turns
+      if (std::isnan(turns.at("f")[row]))                // the row that tells how it ended
+        continue;
       EXPECT_NEAR(turns.at("f")[row], linear(turns.at("x")[row], turns.at("y")[row]), 1e-12);
       if (turns.at("cycle")[row] == 4) {
         EXPECT_NEAR(turns.at("x")[row], x[p], 1e-9);

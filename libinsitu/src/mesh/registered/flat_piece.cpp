@@ -119,8 +119,7 @@ std::string FlatSource::fault(std::int64_t c) const {
     if (cell.count == 0)
       return "its " + std::to_string(n) + " ids start at " + std::to_string(given) + " of " +
              std::to_string(given_.connectivity.count) + " in connectivity";
-    if (c + 1 < given_.offsets.count &&
-        from_base(given_.offsets.load(c + 1), given) != n)
+    if (c + 1 < given_.offsets.count && from_base(given_.offsets.load(c + 1), given) != n)
       return std::to_string(from_base(given_.offsets.load(c + 1), given)) +
              " ids between its offsets, " + std::to_string(n) + " expected";
   }
@@ -182,9 +181,9 @@ void FlatSource::look(const std::string& name, const core::Threads* threads,
         const Vec3d d = step(cell.ids[v], cell.ids[(v + 1) % cell.count]);
         const double length = units_.length * std::hypot(d.x, d.y);
         if (length > 0.0 && std::isfinite(length))
-          ++mine.lengths[std::size_t(std::clamp(std::ilogb(length), 2 - FlatFacts::middle,
-                                                FlatFacts::middle - 2) +
-                                     FlatFacts::middle)];
+          ++mine.lengths[std::size_t(
+              std::clamp(std::ilogb(length), 2 - FlatFacts::middle, FlatFacts::middle - 2) +
+              FlatFacts::middle)];
       }
     }
     const std::lock_guard lock(mutex);
@@ -231,9 +230,8 @@ void FlatSource::require_plane(const std::string& name, const FlatFacts& facts) 
     return;
   for (int a = 0; a < 2; ++a)
     if (high[a] - low[a] <= most)
-      throw core::Error(INSITU_ERROR_MESH,
-                        name + what + "this one has constant " + "xy"[a] +
-                            ": give its two other coordinates as x and y");
+      throw core::Error(INSITU_ERROR_MESH, name + what + "this one has constant " + "xy"[a] +
+                                               ": give its two other coordinates as x and y");
   throw core::Error(INSITU_ERROR_MESH, name + what + "no surface that is curved in space");
 }
 
@@ -286,9 +284,9 @@ void FlatPiece::make_cells(const FlatSource& source, const core::Threads* thread
   const int width = uniform && cells.shape == 5 ? 6 : 8;
   top_first_ = false;
   view_.layout = uniform ? CellLayout::uniform : CellLayout::padded;
-  view_.uniform_shape = width == 6                       ? Shape::wedge
+  view_.uniform_shape = width == 6                    ? Shape::wedge
                         : uniform && cells.shape == 8 ? Shape::voxel
-                                                         : Shape::hexahedron;
+                                                      : Shape::hexahedron;
   view_.index_base = 0;
   view_.types = nullptr;
   view_.offsets = {};

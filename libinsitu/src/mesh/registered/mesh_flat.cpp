@@ -23,9 +23,7 @@ Types types_of(const PieceView& piece) {
       ++by_type[load_as<std::uint8_t>(piece.types + c * piece.types_stride)];
   Types out;
   for (int t = 0; t < 256; ++t)
-    (is_below_area(t)     ? out.lower
-     : is_below_volume(t) ? out.surfaces
-                          : out.volumes) += by_type[t];
+    (is_below_area(t) ? out.lower : is_below_volume(t) ? out.surfaces : out.volumes) += by_type[t];
   return out;
 }
 
@@ -146,9 +144,9 @@ std::string Mesh::left_out() const {
   for (std::size_t k = counts.size(); k-- > 0;)
     if (counts[k] > 0)
       text += (text.empty() ? "" : ", ") + std::to_string(counts[k]) + " " + names[k];
-  return text.empty() ? text
-                      : "mesh '" + name_ + "': cells of lower dimension than others are left out: " +
-                            text;
+  return text.empty()
+             ? text
+             : "mesh '" + name_ + "': cells of lower dimension than others are left out: " + text;
 }
 
 void Mesh::audit_flat(std::vector<insitu_audit_entry>& entries) const {
@@ -175,8 +173,8 @@ void Mesh::audit_flat(std::vector<insitu_audit_entry>& entries) const {
 void Mesh::add_flat_view(FieldPiece& piece, std::size_t p, int components, FieldPieceView& view,
                          const core::Threads* threads) const {
   const std::int64_t n = piece_views_[p].flat_vertices;
-  const bool in_rows = !view.behind && (view.layout.linear ||
-                                        view.layout.extent[0] * view.layout.extent[1] == n);
+  const bool in_rows =
+      !view.behind && (view.layout.linear || view.layout.extent[0] * view.layout.extent[1] == n);
   if (in_rows) {
     piece.in_rows.reset();
   } else {

@@ -56,7 +56,7 @@ struct ColorMapChoice {
 struct Viewpoint {
   bool on_earth = false;
   double azimuth = 30, elevation = 20, zoom = 1;
-  bool has_angles = false; ///< else a flat mesh is looked at from above
+  bool has_angles = false;             ///< else a flat mesh is looked at from above
   std::optional<math::Vec3d> position; ///< placed; azimuth, elevation and zoom then mean nothing
   std::optional<math::Vec3d> look_at;  ///< nothing: the mesh's centre
   math::Vec3d up{0, 0, 1};

@@ -191,16 +191,14 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
   to.geocentric = mesh.reference_frame.kind == INSITU_FRAME_GEOCENTRIC;
-  to.drifts = drifts_of(from, mesh.reference_frame, mesh.is_flat(),
-                        [&](const Name& name, int components) {
-                          return resolve.field(name, components);
-                        });
+  to.drifts =
+      drifts_of(from, mesh.reference_frame, mesh.is_flat(),
+                [&](const Name& name, int components) { return resolve.field(name, components); });
   if (from.diffusion) {
-    to.diffusion =
-        advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
-                          mesh.is_flat() ? advect::Coefficient{}
-                                         : resolve.coefficient(from.diffusion->vertical),
-                          from.diffusion->step, seed_of(tracer)};
+    to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
+                                     mesh.is_flat() ? advect::Coefficient{}
+                                                    : resolve.coefficient(from.diffusion->vertical),
+                                     from.diffusion->step, seed_of(tracer)};
   }
   if (from.inertia)
     to.inertia = inertia_of(from, mesh.reference_frame);
