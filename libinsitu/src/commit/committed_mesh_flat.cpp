@@ -13,8 +13,9 @@ void CommittedMesh::set_flat_units() {
   if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
     const geo::ChartUnits of{reference_frame.angle == INSITU_RADIANS,
                              reference_frame.length == INSITU_KILOMETRES, false};
-    constexpr double around = 4e7; // metres
-    units = {around / (of.kilometres ? 1e3 : 1.0) / of.turn(), of.turn()};
+    constexpr double around = 4e7, most = 4096; // metres: a sheet on the globe is no shell
+    const double metre = of.kilometres ? 1e-3 : 1.0;
+    units = {around * metre / of.turn(), of.turn(), most * metre};
   }
   mesh_.set_flat_units(units);
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <sstream>
 
@@ -187,4 +188,123 @@ frames:
     ++colors[{image.pixels[i * channels], image.pixels[i * channels + 1],
               image.pixels[i * channels + 2]}];
   EXPECT_GT(colors.size(), 50u);
+}
+
+TEST(FlatRuns, OtherCellsFromStepToStepAndACheckpoint) {
+  const char* const scene = R"(insitu: 1
+page: false
+tracers:
+  - {name: turns, velocity: u, seeds: [[6, 4, 0], [4, 1.5, 50], [2.25, 5.5, -3]], integrator: {method: dopri5, tolerance: 1e-11}, output: [csv]}
+)";
+  // The whole run; the same with a break after two steps.
+  std::string whole;
+  const Kind kinds[] = {Kind::triangles, Kind::quads, Kind::mixed};
+  const auto give = [&](insitu::Mesh& mesh, int cycle, Flow& of) {
+    of.arrays.give(mesh, kinds[cycle % 3]);
+    mesh.vertex_field("u", insitu::Array(of.velocity).components(2));
+    mesh.vertex_field("f", insitu::Array(of.f));
+    mesh.cell_field("number", insitu::Array(of.number));
+  };
+  const auto go = [&](Flow& flow, std::vector<std::unique_ptr<Flow>>& others, int from, int to) {
+    for (int cycle = from; cycle <= to; ++cycle) {
+      others.push_back(std::make_unique<Flow>("", kinds[cycle % 3], ""));
+      give(flow.mesh, cycle, *others.back());
+      ASSERT_TRUE(flow.session.execute(cycle, 0.5 * std::numbers::pi * cycle))
+          << insitu_last_message();
+    }
+  };
+  const test::Folder once, twice;
+  std::vector<std::unique_ptr<Flow>> others;
+  {
+    Flow flow(scene, Kind::quads, once.path());
+    go(flow, others, 0, 4);
+    flow.session.close();
+    EXPECT_EQ(flow.log, "");
+  }
+  const auto turns = table(once / "turns.csv");
+  for (std::size_t row = 0; row < turns.at("x").size(); ++row) {
+    const double x[] = {6, 4, 2.25}, y[] = {4, 1.5, 5.5};
+    const auto p = std::size_t(turns.at("particle")[row]);
+    EXPECT_NEAR(std::hypot(turns.at("x")[row] - 4, turns.at("y")[row] - 4),
+                std::hypot(x[p] - 4, y[p] - 4), 1e-9);
+  }
+  {
+    Flow flow(scene, Kind::quads, twice.path());
+    go(flow, others, 0, 2);
+    flow.session.checkpoint(twice / "state");
+  }
+  {
+    Flow flow(scene, Kind::quads, twice.path());
+    flow.session.restart(twice / "state");
+    go(flow, others, 3, 4);
+    flow.session.close();
+  }
+  EXPECT_EQ(content(once / "turns.csv"), content(twice / "turns.csv"));
+}
+
+TEST(FlatRuns, OnTheGlobe) {
+  constexpr int ni = 36, nj = 12; // from 60 degrees south to 60 degrees north, all around
+  std::vector<double> lonlat, u, f;
+  std::vector<int> ids;
+  for (int j = 0; j <= nj; ++j)
+    for (int i = 0; i < ni; ++i) {
+      lonlat.insert(lonlat.end(), {10.0 * i, 10.0 * j - 60});
+      u.insert(u.end(), {100.0, 0.0});
+      f.push_back(10.0 * j - 60);
+    }
+  for (int j = 0; j < nj; ++j)
+    for (int i = 0; i < ni; ++i) {
+      const int v = i + ni * j, w = (i + 1) % ni + ni * j;
+      ids.insert(ids.end(), {v, w, w + ni, v + ni});
+    }
+  const test::Folder folder;
+  insitu::Options options;
+  options.output = folder.path();
+  std::string log;
+  options.log = [&](insitu::LogLevel level, const char* message) {
+    if (level <= insitu::LogLevel::warning)
+      log += message;
+  };
+  options.scene_text = R"(insitu: 1
+page: false
+tracers:
+  - {name: drifters, velocity: u, seeds: [[350, 20, 0]], integrator: {method: dopri5, tolerance: 1e-6}, output: [csv]}
+frames:
+  - {name: globe, size: [64, 64], geocentric: {}, camera: {longitude: 0, latitude: 0, altitude: 20000000}, boundary: {color: {field: f}}}
+  - {name: map, size: [64, 64], boundary: {color: {field: f}}}
+)";
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("m");
+  mesh.flat_points(insitu::Array(lonlat.data(), f.size()));
+  mesh.quads(ids);
+  mesh.vertex_field("u", insitu::Array(u).components(2));
+  mesh.vertex_field("f", insitu::Array(f));
+  insitu_frame frame = insitu_frame_default();
+  frame.kind = INSITU_FRAME_GEODETIC;
+  ASSERT_EQ(insitu_mesh_frame(mesh.handle(), &frame), INSITU_OK);
+  for (int cycle = 0; cycle < 2; ++cycle)
+    ASSERT_TRUE(session.execute(cycle, 1e5 * cycle)) << insitu_last_message();
+  session.close();
+  EXPECT_EQ(log, "");
+  const auto drifters = table(folder / "drifters.csv");
+  // 1e7 m east at 20 degrees north of the ellipsoid.
+  const double e2 = 0.00669437999014, lat = 20 * std::numbers::pi / 180;
+  const double radius = 6378137.0 / std::sqrt(1 - e2 * std::pow(std::sin(lat), 2)) * std::cos(lat);
+  const double lon = 350 + 1e7 / radius * 180 / std::numbers::pi - 360;
+  std::size_t row = 0;
+  while (drifters.at("cycle")[row] != 1)
+    ++row;
+  EXPECT_NEAR(std::remainder(drifters.at("x")[row] - lon, 360), 0, 1e-6); // a tenth of a metre
+  EXPECT_NEAR(drifters.at("y")[row], 20, 1e-9);
+  EXPECT_EQ(drifters.at("z")[row], 0);
+  for (const char* name : {"globe", "map"}) {
+    const auto image = insitu::output::read_png(folder / (std::string(name) + "_000000.png"));
+    const std::size_t channels = image.pixels.size() / (64 * 64),
+                      middle = (32 * 64 + 32) * channels;
+    int others = 0; // than the corner's background
+    for (std::size_t i = 0; i < 64 * 64; ++i)
+      others += image.pixels[i * channels] != image.pixels[0];
+    EXPECT_GT(others, 800) << name;
+    EXPECT_NE(image.pixels[middle], image.pixels[0]) << name;
+  }
 }

@@ -77,18 +77,18 @@ struct FlatPart {
 const char* const scene = R"(insitu: 1
 page: false
 probes:
-  - {name: probes, points: {box: {min: [0, 0, 7], max: [6, 6, 7], counts: [13, 13, 1]}}, fields: [p, u, c]}
+  - {name: probes, points: {box: {min: [0, 0, 7], max: [5, 5, 7], counts: [11, 11, 1]}}, fields: [p, u, c]}
 tracers:
-  - {name: paths, velocity: u, kind: pathline, seeds: {box: {min: [1, 1, 0], max: [5, 5, 0], counts: [5, 5, 1]}}, fields: [p, c], output: [csv, vtp]}
-  - {name: kept, velocity: u, seeds: {box: {min: [0, 0, 3], max: [6, 6, 3], counts: [5, 5, 1]}}, effects: [{boundary: slide}], output: [csv]}
-  - {name: walks, velocity: u, seeds: {box: {min: [2, 2, 0], max: [4, 4, 0], counts: [3, 3, 1]}}, effects: [{diffusion: {horizontal: 0.1, vertical: 5, seed: 3}}], output: [csv]}
+  - {name: paths, velocity: u, kind: pathline, seeds: {box: {min: [1, 1, 0], max: [4, 4, 0], counts: [4, 4, 1]}}, fields: [p, c], output: [csv, vtp]}
+  - {name: kept, velocity: u, seeds: {box: {min: [0, 0, 3], max: [5, 5, 3], counts: [4, 4, 1]}}, effects: [{boundary: slide}], output: [csv]}
+  - {name: walks, velocity: u, seeds: {box: {min: [2, 2, 0], max: [3, 3, 0], counts: [2, 2, 1]}}, effects: [{diffusion: {horizontal: 0.1, vertical: 5, seed: 3}}], output: [csv]}
   - {name: lines, velocity: u, kind: streamline, seeds: [[1, 3, 0], [2.2, 2.5, 9]], output: [vtp]}
 frames:
-  - {name: smoke, size: [40, 36], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}}
-  - {name: surfaces, size: [40, 40], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], normals: smooth, color: {field: c}}], boundary: {color: {field: u, component: 0}}}
+  - {name: smoke, size: [24, 20], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}}
+  - {name: surfaces, size: [24, 24], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], normals: smooth, color: {field: c}}], boundary: {color: {field: u, component: 0}}}
 )";
 
-constexpr int n = 6;
+constexpr int n = 5;
 
 /// moves: the vertices, at each step.
 std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>& process,
@@ -109,7 +109,7 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
     commit::CommittedMesh& mesh = session.mesh("m").mesh;
     if (!part.cells.empty())
       part.give(mesh.mesh());
-    for (int cycle = 0; cycle < 3; ++cycle) {
+    for (int cycle = 0; cycle < 2; ++cycle) {
       if (cycle > 0 && moves) {
         for (std::size_t v = 0; v < part.xy.size(); v += 2)
           part.xy[v] += 0.03 * std::sin(part.xy[v] + part.xy[v + 1]);
@@ -124,7 +124,7 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
   return files_of(out);
 }
 
-void expect_files_of_one(Kind kind, bool moves) {
+void expect_files_of_one(Kind kind, bool moves, const std::vector<int>& numbers) {
   const Flat whole = flat_meshes::flat_mesh(n, kind, true);
   const auto slabs = [&](int processes) {
     std::vector<int> process;
@@ -136,7 +136,7 @@ void expect_files_of_one(Kind kind, bool moves) {
   };
   const auto expected = run(whole, slabs(1), 1, moves);
   EXPECT_GE(expected.size(), 12u);
-  for (const int processes : {2, 4})
+  for (const int processes : numbers)
     expect_same(expected, run(whole, slabs(processes), processes, moves),
                 std::to_string(processes));
   std::vector<int> one_without; // the first process has no cells
@@ -148,9 +148,9 @@ void expect_files_of_one(Kind kind, bool moves) {
 } // namespace
 
 TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessToTheByte) {
-  expect_files_of_one(Kind::mixed, false);
+  expect_files_of_one(Kind::mixed, false, {2, 4});
 }
 
 TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessWhereVerticesMove) {
-  expect_files_of_one(Kind::mixed, true);
+  expect_files_of_one(Kind::triangles, true, {4});
 }

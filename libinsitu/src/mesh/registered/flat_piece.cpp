@@ -179,7 +179,7 @@ void FlatSource::look(const std::string& name, const core::Threads* threads,
         mine.least = std::min(mine.least, z);
         mine.greatest = std::max(mine.greatest, z);
         const Vec3d d = step(cell.ids[v], cell.ids[(v + 1) % cell.count]);
-        const double length = units_.length * std::hypot(d.x, d.y);
+        const double length = std::min(units_.length * std::hypot(d.x, d.y), units_.most);
         if (length > 0.0 && std::isfinite(length))
           ++mine.lengths[std::size_t(
               std::clamp(std::ilogb(length), 2 - FlatFacts::middle, FlatFacts::middle - 2) +

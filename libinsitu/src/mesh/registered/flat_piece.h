@@ -32,6 +32,7 @@ struct FlatFacts {
 struct FlatUnits {
   double length = 1.0; ///< of one of the first two, in units of the third
   double turn = 0.0;   ///< so many of the first are a full turn; 0: it does not turn
+  double most = std::numeric_limits<double>::infinity(); ///< of lengths; longer ones count as that
   bool operator==(const FlatUnits&) const = default;
 };
 

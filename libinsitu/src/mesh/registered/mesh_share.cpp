@@ -31,6 +31,7 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
     piece.view.implicit_points = false; // a block becomes a curvilinear one
     piece.view.parts = nullptr;         // which are from's
     piece.points = {adopted};
+    piece.point_components = 3;
     piece.has_points = true;
     for (ExternalArray& axis : piece.axes)
       axis = {};
