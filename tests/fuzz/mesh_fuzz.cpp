@@ -167,7 +167,7 @@ private:
     case INSITU_INT64:
       return put(index());
     case INSITU_UINT8:
-      return put(std::uint8_t(types_ ? 9 + in_.below(7) : in_.byte()));
+      return put(std::uint8_t(types_ ? first_type_ + in_.below(7) : in_.byte()));
     }
   }
 
@@ -175,18 +175,21 @@ private:
     insitu_cells c = insitu_cells_default();
     c.count = in_.one_in(24) ? -1 - std::int64_t(in_.byte()) : in_.count();
     c.layout = insitu_layout(in_.below(in_.one_in(8) ? 5 : 3));
-    c.shape = insitu_shape(in_.one_in(8) ? in_.byte() : 10 + in_.below(5));
+    constexpr std::int32_t shapes[] = {10, 11, 12, 13, 14, 5, 8, 9};
+    c.shape = insitu_shape(in_.one_in(8) ? in_.byte() : shapes[in_.below(8)]);
     c.index_base = std::int32_t(in_.below(in_.one_in(8) ? 3 : 2));
-    constexpr std::int32_t vertices[] = {4, 8, 8, 6, 5};
+    constexpr std::int32_t vertices[] = {3, 0, 0, 4, 4, 4, 8, 8, 6, 5}; // from 5 on
     const std::int64_t held = in_.one_in(8) ? in_.count() : (c.count > 0 ? c.count : 1);
     const insitu_type integer = in_.one_in(2) ? INSITU_INT32 : INSITU_INT64;
-    const bool known = c.shape >= 10 && c.shape <= 14;
-    const std::int32_t ids = c.layout == INSITU_LAYOUT_PADDED ? 8
-                             : known && !in_.one_in(16)       ? vertices[c.shape - 10]
+    const bool is_flat = c.shape == 5 || c.shape == 8 || c.shape == 9;
+    const bool known = is_flat || (c.shape >= 10 && c.shape <= 14);
+    const std::int32_t ids = c.layout == INSITU_LAYOUT_PADDED ? (is_flat ? 4 : 8)
+                             : known && !in_.one_in(16)       ? vertices[c.shape - 5]
                                                               : 1 + std::int32_t(in_.below(9));
     c.connectivity =
         c.layout == INSITU_LAYOUT_MIXED ? array(integer, 1, 8 * held) : array(integer, ids, held);
     types_ = true;
+    first_type_ = in_.one_in(2) ? 9 : 3;
     c.types = array(INSITU_UINT8, 1, held);
     types_ = false;
     c.offsets = array(in_.one_in(2) ? INSITU_INT64 : INSITU_INT32, 1, held + in_.below(2));
@@ -196,12 +199,15 @@ private:
   void block(std::int32_t piece) {
     insitu_block b = insitu_block_default();
     b.kind = insitu_block_kind(in_.below(in_.one_in(8) ? 5 : 3));
+    b.dimensions = in_.one_in(4) ? 2 : 3;
     for (int a = 0; a < 3; ++a) {
       b.vertices[a] = in_.one_in(16) ? std::int64_t(in_.byte()) - 250 : 1 + in_.below(4);
       b.origin[a] = in_.real();
       b.spacing[a] = in_.one_in(4) ? in_.real() : 0.5;
       b.coordinates[a] = reals(1, in_.one_in(8) ? in_.count() : 4);
     }
+    if (b.dimensions == 2 && !in_.one_in(8))
+      b.vertices[2] = 1;
     check(insitu_mesh_block(mesh_, piece, &b));
   }
 
@@ -260,6 +266,7 @@ private:
   std::uint8_t* good_points_ = nullptr;
   Last last_;
   bool types_ = false;
+  int first_type_ = 9;
   const fuzz::Session session_{in_.one_in(8)}; ///< closed before the arrays go
   const insitu_mesh mesh_ = session_.mesh;
 };

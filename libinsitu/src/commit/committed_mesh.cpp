@@ -60,7 +60,7 @@ void CommittedMesh::require_committed() const {
 
 cells::Validation CommittedMesh::validate(const core::Threads& threads) {
   committed_ = false; // the views may change under the tree
-  set_flat_units();
+  set_flat_turn();
   mesh_.look_again();
   mesh_.update(&threads);
   if (mesh_.pending() == 0)
@@ -299,7 +299,7 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
   on_device_ = mesh_.lies_on_device();
   locators_.decide(on_device_, mesh_.name(), log);
   choose_stand_in();
-  set_flat_units();
+  set_flat_turn();
   mesh_.update(&threads);
   prepare_flat((pending & INSITU_CHANGED_TOPOLOGY) != 0, log);
   if (strict)

@@ -266,7 +266,7 @@ private:
   }
   void reduce_flat(parallel::World& world);
   void prepare_flat(bool topology, const core::Log& log);
-  void set_flat_units();
+  void set_flat_turn();
   void adopt_whole_chart(parallel::World& world, const core::Threads& threads,
                          const core::Log& log);
   /// Whatever has changed since.

@@ -7,17 +7,10 @@ namespace insitu::commit {
 
 using parallel::Reduction;
 
-/// Of a mesh in longitude and latitude a degree is so many metres, to a few in a thousand.
-void CommittedMesh::set_flat_units() {
-  mesh::FlatUnits units;
-  if (reference_frame.kind == INSITU_FRAME_GEODETIC) {
-    const geo::ChartUnits of{reference_frame.angle == INSITU_RADIANS,
-                             reference_frame.length == INSITU_KILOMETRES, false};
-    constexpr double around = 4e7, most = 4096; // metres: a sheet on the globe is no shell
-    const double metre = of.kilometres ? 1e-3 : 1.0;
-    units = {around * metre / of.turn(), of.turn(), most * metre};
-  }
-  mesh_.set_flat_units(units);
+/// Longitudes go round, in degrees or radians.
+void CommittedMesh::set_flat_turn() {
+  const geo::ChartUnits units{reference_frame.angle == INSITU_RADIANS, false, false};
+  mesh_.set_flat_turn(reference_frame.kind == INSITU_FRAME_GEODETIC ? units.turn() : 0.0);
 }
 
 /// After the mesh's update().

@@ -99,7 +99,7 @@ void drop_surfaces(std::vector<Part>& parts, const Say& say) {
       cells += vtkDataSet::SafeDownCast(part.data)->GetNumberOfCells();
     }
   if (left_out.empty() || left_out.size() == parts.size())
-    return; // of surfaces alone nothing is left: they are refused by name
+    return; // surfaces alone are a flat mesh
   const vtkSmartPointer<vtkFieldData> about = parts[0].data->GetFieldData();
   const bool first_goes = is_surface(parts[0].data);
   parts.erase(std::remove_if(parts.begin(), parts.end(),

@@ -50,10 +50,10 @@ int layout_of(int which, int64_t* out) {
                            AT(insitu_faces, far_cells),
                            AT(insitu_faces, cell_faces),
                            AT(insitu_faces, cell_offsets)};
-  const int64_t block[] = {sizeof(insitu_block),         AT(insitu_block, size),
-                           AT(insitu_block, kind),       AT(insitu_block, vertices),
-                           AT(insitu_block, origin),     AT(insitu_block, spacing),
-                           AT(insitu_block, coordinates)};
+  const int64_t block[] = {
+      sizeof(insitu_block),          AT(insitu_block, size),   AT(insitu_block, kind),
+      AT(insitu_block, vertices),    AT(insitu_block, origin), AT(insitu_block, spacing),
+      AT(insitu_block, coordinates), AT(insitu_block, first),  AT(insitu_block, dimensions)};
   const int64_t frame[] = {
       sizeof(insitu_frame),     AT(insitu_frame, size),     AT(insitu_frame, kind),
       AT(insitu_frame, origin), AT(insitu_frame, utm_zone), AT(insitu_frame, utm_north),
@@ -89,16 +89,27 @@ int layout_of(int which, int64_t* out) {
                            AT(insitu_audit_entry, name),  AT(insitu_audit_entry, data),
                            AT(insitu_audit_entry, bytes), AT(insitu_audit_entry, borrowed),
                            AT(insitu_audit_entry, reason)};
-  const int64_t locate[] = {
-      sizeof(insitu_locate_args),          AT(insitu_locate_args, size),
-      AT(insitu_locate_args, points),      AT(insitu_locate_args, point_arrays),
-      AT(insitu_locate_args, frame),       AT(insitu_locate_args, accuracy),
-      AT(insitu_locate_args, cell_base),   AT(insitu_locate_args, cells),
-      AT(insitu_locate_args, pieces),      AT(insitu_locate_args, parametric),
-      AT(insitu_locate_args, found),       AT(insitu_locate_args, reasons),
-      AT(insitu_locate_args, memory),      AT(insitu_locate_args, stream),
-      AT(insitu_locate_args, scope),       AT(insitu_locate_args, ranks),
-      AT(insitu_locate_args, global_cells)};
+  const int64_t locate[] = {sizeof(insitu_locate_args),
+                            AT(insitu_locate_args, size),
+                            AT(insitu_locate_args, points),
+                            AT(insitu_locate_args, point_arrays),
+                            AT(insitu_locate_args, frame),
+                            AT(insitu_locate_args, accuracy),
+                            AT(insitu_locate_args, cell_base),
+                            AT(insitu_locate_args, cells),
+                            AT(insitu_locate_args, pieces),
+                            AT(insitu_locate_args, parametric),
+                            AT(insitu_locate_args, found),
+                            AT(insitu_locate_args, reasons),
+                            AT(insitu_locate_args, memory),
+                            AT(insitu_locate_args, stream),
+                            AT(insitu_locate_args, scope),
+                            AT(insitu_locate_args, ranks),
+                            AT(insitu_locate_args, global_cells),
+                            AT(insitu_locate_args, outside),
+                            AT(insitu_locate_args, greatest_distance),
+                            AT(insitu_locate_args, distances),
+                            AT(insitu_locate_args, nearest)};
   const int64_t sample[] = {sizeof(insitu_sample_args),          AT(insitu_sample_args, size),
                             AT(insitu_sample_args, locate),      AT(insitu_sample_args, fields),
                             AT(insitu_sample_args, field_count), AT(insitu_sample_args, values)};
@@ -200,22 +211,23 @@ int constants(int64_t* out) {
       INSITU_ERROR_FIELD, INSITU_ERROR_SCENE, INSITU_ERROR_FILE, INSITU_ERROR_MEMORY,
       INSITU_ERROR_UNSUPPORTED, INSITU_ERROR_CONVERSION, INSITU_ERROR_ACTION, INSITU_ERROR_INTERNAL,
       INSITU_FLOAT32, INSITU_FLOAT64, INSITU_INT32, INSITU_INT64, INSITU_UINT8, INSITU_HOST,
-      INSITU_DEVICE, INSITU_VERTEX, INSITU_CELL, INSITU_TETRAHEDRON, INSITU_VOXEL,
-      INSITU_HEXAHEDRON, INSITU_WEDGE, INSITU_PYRAMID, INSITU_FAST, INSITU_STANDARD, INSITU_EXACT,
-      INSITU_METHOD_AUTO, INSITU_METHOD_BVH, INSITU_METHOD_USER_GEOMETRY,
-      INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
+      INSITU_DEVICE, INSITU_VERTEX, INSITU_CELL, INSITU_TRIANGLE, INSITU_PIXEL, INSITU_QUAD,
+      INSITU_TETRAHEDRON, INSITU_VOXEL, INSITU_HEXAHEDRON, INSITU_WEDGE, INSITU_PYRAMID,
+      INSITU_FAST, INSITU_STANDARD, INSITU_EXACT, INSITU_METHOD_AUTO, INSITU_METHOD_BVH,
+      INSITU_METHOD_USER_GEOMETRY, INSITU_METHOD_REPLICATED_FACES, INSITU_METHOD_SHARED_FACES,
       INSITU_METHOD_SHARED_BILINEAR_FACES, INSITU_BACKEND_AUTO, INSITU_BACKEND_CPU,
       INSITU_BACKEND_CUDA, INSITU_BACKEND_OPTIX, INSITU_CHANGED_NOTHING, INSITU_CHANGED_FIELDS,
       INSITU_CHANGED_GEOMETRY, INSITU_CHANGED_TOPOLOGY, INSITU_CHANGED_ALL, INSITU_LOG_ERROR,
       INSITU_LOG_WARNING, INSITU_LOG_INFO, INSITU_LOG_DEBUG, INSITU_NO_COMMUNICATOR,
       INSITU_LAYOUT_UNIFORM, INSITU_LAYOUT_MIXED, INSITU_LAYOUT_PADDED, INSITU_BLOCK_UNIFORM,
       INSITU_BLOCK_RECTILINEAR, INSITU_BLOCK_CURVILINEAR, INSITU_GHOSTS_VTK, INSITU_GHOSTS_ASCENT,
-      INSITU_DUAL, INSITU_NEAREST, INSITU_FRAME_CARTESIAN, INSITU_FRAME_GEOCENTRIC,
-      INSITU_FRAME_GEODETIC, INSITU_FRAME_ENU, INSITU_FRAME_UTM, INSITU_DEGREES, INSITU_RADIANS,
-      INSITU_METRES, INSITU_KILOMETRES, INSITU_UP, INSITU_DOWN, INSITU_KEEP, INSITU_REFIT,
-      INSITU_REBUILD, INSITU_BUILDER_NONE, INSITU_BUILDER_MORTON, INSITU_BUILDER_SURFACE_AREA,
-      INSITU_REASON_OUTSIDE, INSITU_REASON_CERTIFIED, INSITU_REASON_EXACT, INSITU_REASON_ON_FACE,
-      INSITU_REASON_ON_EDGE, INSITU_REASON_ON_VERTEX, INSITU_REASON_COUNT,
+      INSITU_OUTSIDE_NONE, INSITU_OUTSIDE_NEAREST, INSITU_DUAL, INSITU_NEAREST,
+      INSITU_FRAME_CARTESIAN, INSITU_FRAME_GEOCENTRIC, INSITU_FRAME_GEODETIC, INSITU_FRAME_ENU,
+      INSITU_FRAME_UTM, INSITU_DEGREES, INSITU_RADIANS, INSITU_METRES, INSITU_KILOMETRES, INSITU_UP,
+      INSITU_DOWN, INSITU_KEEP, INSITU_REFIT, INSITU_REBUILD, INSITU_BUILDER_NONE,
+      INSITU_BUILDER_MORTON, INSITU_BUILDER_SURFACE_AREA, INSITU_REASON_OUTSIDE,
+      INSITU_REASON_CERTIFIED, INSITU_REASON_EXACT, INSITU_REASON_ON_FACE, INSITU_REASON_ON_EDGE,
+      INSITU_REASON_ON_VERTEX, INSITU_REASON_COUNT,
       /* indices in Fortran: one more */
       INSITU_END_ALIVE + 1, INSITU_END_LEFT + 1, INSITU_END_STAGNATED + 1, INSITU_END_EXPIRED + 1,
       INSITU_END_STEP_LIMIT + 1, INSITU_END_SEED_OUTSIDE + 1, INSITU_END_NOT_FINITE + 1,
@@ -227,8 +239,8 @@ int constants(int64_t* out) {
       INSITU_MEMORY_CONVERTED + 1, INSITU_MEMORY_EMBREE + 1, INSITU_MEMORY_DEVICE + 1,
       INSITU_MEMORY_AMR + 1, INSITU_MEMORY_GATHERED + 1, INSITU_MEMORY_GEOCENTRIC + 1,
       INSITU_MEMORY_CHART + 1, INSITU_MEMORY_NEIGHBOURS + 1, INSITU_MEMORY_BLANK + 1,
-      INSITU_MEMORY_HALO + 1, INSITU_MEMORY_POLYHEDRA + 1, INSITU_MEMORY_COUNT, INSITU_FACES_OWNERS,
-      INSITU_FACES_CELLS};
+      INSITU_MEMORY_HALO + 1, INSITU_MEMORY_POLYHEDRA + 1, INSITU_MEMORY_FLAT + 1,
+      INSITU_MEMORY_COUNT, INSITU_FACES_OWNERS, INSITU_FACES_CELLS};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     out[i] = all[i];
   return (int)(sizeof all / sizeof *all);

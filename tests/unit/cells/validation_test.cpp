@@ -169,7 +169,7 @@ TEST(Validation, ChecksTypesAndOffsets) {
   for (const int base : {0, 1})
     for (const bool n_plus_1 : {false, true})
       EXPECT_EQ(findings([](Arrays&) {}, 0, base, n_plus_1), "");
-  expect_in("cell 3: type 7, 10 to 14 expected", findings([](Arrays& a) { a.types[3] = 7; }, 1));
+  expect_in("cell 3: type 15, 10 to 14 expected", findings([](Arrays& a) { a.types[3] = 15; }, 1));
   expect_in("cell 3: type 255", findings([](Arrays& a) { a.types[3] = 255; }, 1));
   // The last cell, by n + 1 offsets only.
   const auto spoil_last = [](Arrays& a) { a.offsets.back() += 1; };

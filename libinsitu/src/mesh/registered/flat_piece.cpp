@@ -137,8 +137,8 @@ std::string FlatSource::fault(std::int64_t c) const {
 /// From one vertex to another, the short way round.
 Vec3d FlatSource::step(std::int64_t from, std::int64_t to) const {
   Vec3d d = point(to) - point(from);
-  if (units_.turn > 0.0 && std::isfinite(d.x))
-    d.x = std::remainder(d.x, units_.turn);
+  if (turn_ > 0.0 && std::isfinite(d.x))
+    d.x = std::remainder(d.x, turn_);
   return d;
 }
 
@@ -151,7 +151,7 @@ double FlatSource::area(const FlatCell& cell) const {
     const Vec3d p = step(cell.ids[0], a), q = step(cell.ids[0], b);
     sum += p.x * q.y - p.y * q.x;
   }
-  if (units_.turn > 0.0 && std::abs(around) > 0.5 * units_.turn) // a pole is within
+  if (turn_ > 0.0 && std::abs(around) > 0.5 * turn_) // a pole is within
     return latitude < 0.0 ? -around : around;
   return sum;
 }
@@ -179,7 +179,7 @@ void FlatSource::look(const std::string& name, const core::Threads* threads,
         mine.least = std::min(mine.least, z);
         mine.greatest = std::max(mine.greatest, z);
         const Vec3d d = step(cell.ids[v], cell.ids[(v + 1) % cell.count]);
-        const double length = std::min(units_.length * std::hypot(d.x, d.y), units_.most);
+        const double length = std::hypot(d.x, d.y);
         if (length > 0.0 && std::isfinite(length))
           ++mine.lengths[std::size_t(
               std::clamp(std::ilogb(length), 2 - FlatFacts::middle, FlatFacts::middle - 2) +

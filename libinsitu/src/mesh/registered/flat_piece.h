@@ -28,14 +28,6 @@ struct FlatFacts {
   bool operator==(const FlatFacts&) const = default;
 };
 
-/// How the first two coordinates measure against the third.
-struct FlatUnits {
-  double length = 1.0; ///< of one of the first two, in units of the third
-  double turn = 0.0;   ///< so many of the first are a full turn; 0: it does not turn
-  double most = std::numeric_limits<double>::infinity(); ///< of lengths; longer ones count as that
-  bool operator==(const FlatUnits&) const = default;
-};
-
 /// Where the cells stand: from low to high, which are the plane's both sides. The thickness is the
 /// power of two at or below the median edge, and what keeps both sides apart from the plane in
 /// float32, too.
@@ -67,9 +59,10 @@ struct FlatCell {
 class FlatSource {
 public:
   /// given: the piece as it was registered, whose points may lack the third component.
+  /// turn: so many of the first coordinate are a full turn, around the Earth; 0: it does not turn.
   FlatSource(const PieceView& given, const FlatCells& cells, std::int64_t vertices, bool has_third,
-             const FlatUnits& units)
-      : given_(given), cells_(cells), vertices_(vertices), has_third_(has_third), units_(units) {}
+             double turn)
+      : given_(given), cells_(cells), vertices_(vertices), has_third_(has_third), turn_(turn) {}
 
   FlatCell cell(std::int64_t c) const;
   math::Vec3d point(std::int64_t id) const;
@@ -94,7 +87,7 @@ private:
   FlatCells cells_;
   std::int64_t vertices_;
   bool has_third_;
-  FlatUnits units_;
+  double turn_;
 };
 
 /// The flat cells of a piece as volume cells, whose vertices are the solver's, below and above the

@@ -109,9 +109,9 @@ public:
   /// From the next update() on the plane and the thickness are those of these facts, of which
   /// flat_facts() are a part; null: those of flat_facts().
   void set_whole_flat(const FlatFacts* whole) { whole_flat_ = whole; }
-  /// How long a unit of the first two coordinates is in units of the third, and what a full turn
-  /// of the first is (0: none); from the next change of topology on.
-  void set_flat_units(const FlatUnits& units) { flat_units_ = units; }
+  /// So many of the first coordinate are a full turn, around the Earth; 0: it does not turn. From
+  /// the next change of topology on.
+  void set_flat_turn(double turn) { flat_turn_ = turn; }
   /// Tells of cells of lower dimension that are left out, of the last update(); "": none are.
   std::string left_out() const;
   /// Has the next update() look at flat cells again, since arrays may have changed unsaid.
@@ -311,7 +311,7 @@ private:
   bool has_flat_pieces_ = false, flat_is_stale_ = false;
   FlatFacts flat_facts_;
   const FlatFacts* whole_flat_ = nullptr;
-  FlatUnits flat_units_;
+  double flat_turn_ = 0.0;
   FlatSlab slab_;
   // Views.
   std::vector<PieceView> piece_views_;

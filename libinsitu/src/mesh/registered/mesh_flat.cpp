@@ -97,7 +97,7 @@ void Mesh::update_flat(const core::Threads* threads) {
     return FlatSource(piece.view, piece.flat_cells, vertices_of(piece),
                       !piece.is_block || !piece.view.implicit_points ? piece.point_components == 3
                                                                      : false,
-                      flat_units_);
+                      flat_turn_);
   };
   const bool moved = others || (pending_ & INSITU_CHANGED_GEOMETRY) != 0;
   if (moved) {

@@ -49,6 +49,7 @@ module insitu
       insitu_error_mesh, insitu_error_field, insitu_error_scene, insitu_error_file, &
       insitu_error_memory, insitu_error_unsupported, insitu_error_conversion, insitu_error_action, &
       insitu_error_internal, &
+      insitu_triangle, insitu_pixel, insitu_quad, &
       insitu_tetrahedron, insitu_voxel, insitu_hexahedron, insitu_wedge, insitu_pyramid, &
       insitu_fast, insitu_standard, insitu_exact, &
       insitu_nothing, insitu_fields, insitu_geometry, insitu_topology, insitu_all, &
@@ -70,7 +71,7 @@ module insitu
       insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
       insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
       insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, insitu_memory_blank, &
-      insitu_memory_halo, insitu_memory_polyhedra, &
+      insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, &
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 
@@ -99,6 +100,7 @@ module insitu
   type, extends(below), public :: insitu_mesh
   contains
     procedure :: uniform_block
+    procedure :: flat_uniform_block
     procedure :: adaptive
     procedure :: patch
     procedure :: drop_pieces
@@ -181,6 +183,25 @@ contains
     block%spacing = spacing
     call self%give_block(block, ierr, piece)
   end subroutine uniform_block
+
+  !> The same of a flat mesh: vertices(1) x vertices(2) vertices.
+  subroutine flat_uniform_block(self, vertices, origin, spacing, ierr, piece, first)
+    class(insitu_mesh), intent(in) :: self
+    integer, intent(in) :: vertices(2)
+    real(real64), intent(in) :: origin(2), spacing(2)
+    integer, intent(out) :: ierr
+    integer, intent(in), optional :: piece
+    integer(int64), intent(in), optional :: first(2)
+    type(c_block) :: block
+
+    if (present(first)) block%first(1:2) = first
+    block%kind = insitu_block_uniform
+    block%dimensions = 2
+    block%vertices = [vertices(1), vertices(2), 1]
+    block%origin(1:2) = origin
+    block%spacing(1:2) = spacing
+    call self%give_block(block, ierr, piece)
+  end subroutine flat_uniform_block
 
   subroutine remove_field(self, name, ierr)
     class(insitu_mesh), intent(in) :: self

@@ -29,8 +29,8 @@ module insitu_c
 
   ! insitu_shape
   integer(c_int), parameter :: &
-      insitu_tetrahedron = 10, insitu_voxel = 11, insitu_hexahedron = 12, insitu_wedge = 13, &
-      insitu_pyramid = 14
+      insitu_triangle = 5, insitu_pixel = 8, insitu_quad = 9, insitu_tetrahedron = 10, &
+      insitu_voxel = 11, insitu_hexahedron = 12, insitu_wedge = 13, insitu_pyramid = 14
 
   ! insitu_accuracy
   integer(c_int), parameter :: insitu_fast = 0, insitu_standard = 1, insitu_exact = 2
@@ -65,6 +65,9 @@ module insitu_c
 
   ! insitu_scope
   integer(c_int), parameter :: insitu_scope_local = 0, insitu_scope_everywhere = 1
+
+  ! insitu_outside
+  integer(c_int), parameter :: insitu_outside_none = 0, insitu_outside_nearest = 1
 
   ! insitu_reconstruction
   integer(c_int), parameter :: insitu_dual = 0, insitu_nearest = 1
@@ -107,7 +110,7 @@ module insitu_c
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
       insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_polyhedra = 18, &
-      insitu_memory_count = 18
+      insitu_memory_flat = 19, insitu_memory_count = 19
 
   ! The room of the lists in insitu_report
   integer, parameter :: &
@@ -184,6 +187,8 @@ module insitu_c
     real(c_double) :: spacing(3) = 1.0_c_double
     type(c_array) :: coordinates(3)
     integer(c_int64_t) :: first(3) = 0
+    integer(c_int32_t) :: dimensions = 3
+    integer(c_int32_t) :: reserved = 0
   end type c_block
 
   type, bind(c) :: c_amr
@@ -294,7 +299,12 @@ module insitu_c
     integer(c_int32_t) :: padding = 0
     type(c_ptr) :: ranks = c_null_ptr
     type(c_ptr) :: global_cells = c_null_ptr
-    integer(c_int64_t) :: reserved(13) = 0
+    integer(c_int) :: outside = insitu_outside_none
+    integer(c_int32_t) :: padding_outside = 0
+    real(c_double) :: greatest_distance = 0.0_c_double
+    type(c_ptr) :: distances = c_null_ptr
+    type(c_ptr) :: nearest = c_null_ptr
+    integer(c_int64_t) :: reserved(9) = 0
   end type c_locate_args
 
   type, bind(c) :: c_sample_args

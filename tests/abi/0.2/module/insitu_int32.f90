@@ -5,7 +5,8 @@ module insitu_int32
   use insitu_arrays, only: array_of, nothing, view_of_bytes
   use insitu_c, only: c_array, c_cells, c_faces, c_leaves, insitu_cell, insitu_faces_cells, &
       insitu_faces_owners, insitu_hexahedron, insitu_layout_mixed, &
-      insitu_layout_padded, insitu_layout_uniform, insitu_pyramid, insitu_tetrahedron, &
+      insitu_layout_padded, insitu_layout_uniform, insitu_pixel, insitu_pyramid, insitu_quad, &
+      insitu_tetrahedron, insitu_triangle, &
       insitu_vertex, insitu_voxel, insitu_wedge, ip_type => insitu_int32
   use insitu_real64, only: below => mesh_of_reals
   implicit none
@@ -20,6 +21,10 @@ module insitu_int32
     procedure, private :: wedges_i32 => wedges
     procedure, private :: hexahedra_i32 => hexahedra
     procedure, private :: voxels_i32 => voxels
+    procedure, private :: triangles_i32 => triangles
+    procedure, private :: pixels_i32 => pixels
+    procedure, private :: quads_i32 => quads
+    procedure, private :: padded_flat_i32 => padded_flat
     procedure, private :: padded_i32 => padded
     procedure, private :: mixed_i32 => mixed
     procedure, private :: faces_i32 => faces
@@ -33,6 +38,10 @@ module insitu_int32
     generic :: wedges => wedges_i32
     generic :: hexahedra => hexahedra_i32
     generic :: voxels => voxels_i32
+    generic :: triangles => triangles_i32
+    generic :: pixels => pixels_i32
+    generic :: quads => quads_i32
+    generic :: flat_cells => padded_flat_i32
     generic :: cells => padded_i32, mixed_i32
     generic :: faces => faces_i32
     generic :: faces_of_cells => faces_of_cells_i32

@@ -19,6 +19,9 @@ module insitu_real32
     procedure, private :: curvilinear_interleaved_r32 => curvilinear_interleaved
     procedure, private :: curvilinear_3_r32 => curvilinear_3
     procedure, private :: rectilinear_r32 => rectilinear
+    procedure, private :: flat_points_r32 => flat_points_1
+    procedure, private :: flat_curvilinear_r32 => flat_curvilinear
+    procedure, private :: flat_rectilinear_r32 => flat_rectilinear
     procedure, private :: vertex_1_r32 => vertex_1
     procedure, private :: vertex_2_r32 => vertex_2
     procedure, private :: vertex_3_r32 => vertex_3
@@ -44,6 +47,9 @@ module insitu_real32
     generic :: points => points_interleaved_r32, points_1_r32, points_2_r32
     generic :: curvilinear_block => curvilinear_interleaved_r32, curvilinear_3_r32
     generic :: rectilinear_block => rectilinear_r32
+    generic :: flat_points => flat_points_r32
+    generic :: flat_curvilinear_block => flat_curvilinear_r32
+    generic :: flat_rectilinear_block => flat_rectilinear_r32
     generic :: vertex_field => vertex_1_r32, vertex_2_r32, vertex_3_r32, vertex_4_r32, &
         vertex_uvw_1_r32, vertex_uvw_2_r32, vertex_uvw_3_r32
     generic :: cell_field => cell_1_r32, cell_2_r32, cell_3_r32, cell_4_r32, cell_uvw_1_r32, &

@@ -19,6 +19,9 @@ module insitu_real64
     procedure, private :: curvilinear_interleaved_r64 => curvilinear_interleaved
     procedure, private :: curvilinear_3_r64 => curvilinear_3
     procedure, private :: rectilinear_r64 => rectilinear
+    procedure, private :: flat_points_r64 => flat_points_1
+    procedure, private :: flat_curvilinear_r64 => flat_curvilinear
+    procedure, private :: flat_rectilinear_r64 => flat_rectilinear
     procedure, private :: vertex_1_r64 => vertex_1
     procedure, private :: vertex_2_r64 => vertex_2
     procedure, private :: vertex_3_r64 => vertex_3
@@ -44,6 +47,9 @@ module insitu_real64
     generic :: points => points_interleaved_r64, points_1_r64, points_2_r64
     generic :: curvilinear_block => curvilinear_interleaved_r64, curvilinear_3_r64
     generic :: rectilinear_block => rectilinear_r64
+    generic :: flat_points => flat_points_r64
+    generic :: flat_curvilinear_block => flat_curvilinear_r64
+    generic :: flat_rectilinear_block => flat_rectilinear_r64
     generic :: vertex_field => vertex_1_r64, vertex_2_r64, vertex_3_r64, vertex_4_r64, &
         vertex_uvw_1_r64, vertex_uvw_2_r64, vertex_uvw_3_r64
     generic :: cell_field => cell_1_r64, cell_2_r64, cell_3_r64, cell_4_r64, cell_uvw_1_r64, &

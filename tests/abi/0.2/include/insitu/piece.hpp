@@ -53,6 +53,15 @@ public:
   void points(const T* xyz, N n) {
     points(Array(xyz, n).components(3));
   }
+  /** Gives n vertices of a flat mesh as x, y. */
+  template <class T, class N, class = std::enable_if_t<detail::is_real<T> && std::is_integral_v<N>>>
+  void points(const T* x, const T* y, N n) {
+    points(Array(x, n), Array(y, n));
+  }
+  /** Gives vertices of a flat mesh: two arrays of equal type, count and strides, or one of
+   *  components(2). */
+  void points(const Array& x, const Array& y) { give_points({x, y}, 1); }
+  void flat_points(const Array& xy) { give_points({xy}, 2); }
   /** Gives vertices in containers or layouts of any stride; the three arrays have equal type, count
    *  and strides. */
   void points(const Array& x, const Array& y, const Array& z) { give_points({x, y, z}, 1); }
@@ -71,7 +80,7 @@ public:
   void cells(Shape shape, Array connectivity, int index_base = 0) {
     give_cells(INSITU_LAYOUT_UNIFORM, shape, vertex_count(shape), connectivity, index_base);
   }
-  /** hexahedra() and the three functions below are cells() with the shape in the name:
+  /** hexahedra() and the five functions below are cells() with the shape in the name:
    *  (connectivity, count, index_base = 0) with a pointer, (connectivity, index_base = 0) with a
    *  container or an Array. */
   template <class C, class... Rest>
@@ -89,6 +98,16 @@ public:
   template <class C, class... Rest>
   void pyramids(C&& connectivity, Rest... rest) {
     cells(Shape::pyramid, std::forward<C>(connectivity), rest...);
+  }
+
+  /** Cells of a flat mesh, in one plane. */
+  template <class C, class... Rest>
+  void triangles(C&& connectivity, Rest... rest) {
+    cells(Shape::triangle, std::forward<C>(connectivity), rest...);
+  }
+  template <class C, class... Rest>
+  void quads(C&& connectivity, Rest... rest) {
+    cells(Shape::quad, std::forward<C>(connectivity), rest...);
   }
 
   /** Gives cells of several shapes. types: one uint8 a cell, VTK's numbers. offsets: the place in
@@ -115,6 +134,11 @@ public:
   }
   void padded_cells(Array connectivity, int index_base = 0) {
     give_cells(INSITU_LAYOUT_PADDED, Shape::hexahedron, 8, connectivity, index_base);
+  }
+
+  /** Gives the cells of a flat mesh as [count][4] ids: quads, or triangles with -1 at the end. */
+  void padded_flat_cells(Array connectivity, int index_base = 0) {
+    give_cells(INSITU_LAYOUT_PADDED, Shape::quad, 4, connectivity, index_base);
   }
 
   /** Gives cells by their faces (insitu_faces), each of which names its one or two cells.
@@ -180,6 +204,31 @@ public:
     b.coordinates[1] = y.get(-1, "coordinates y");
     b.coordinates[2] = z.get(-1, "coordinates z");
     set_extent(b, b.coordinates[0].count, b.coordinates[1].count, b.coordinates[2].count);
+    give(b);
+  }
+
+  /** The three blocks of a flat mesh: curvilinear, whose points points() or flat_points() gives,
+   *  uniform, and rectilinear. Vertex (i, j) has the id i + ni*j, cell (i, j) the id
+   *  i + (ni-1)*j. */
+  void flat_block(std::int64_t ni, std::int64_t nj) { give(flat(ni, nj)); }
+  void flat_uniform_block(const std::array<std::int64_t, 2>& vertices,
+                          const std::array<double, 2>& origin, const std::array<double, 2>& spacing,
+                          const std::array<std::int64_t, 2>& first = {0, 0}) {
+    insitu_block b = flat(vertices[0], vertices[1]);
+    b.kind = INSITU_BLOCK_UNIFORM;
+    for (std::size_t a = 0; a < 2; ++a) {
+      b.origin[a] = origin[a];
+      b.spacing[a] = spacing[a];
+      b.first[a] = first[a];
+    }
+    give(b);
+  }
+  void flat_rectilinear_block(const Array& x, const Array& y) {
+    const insitu_array xs = x.get(-1, "coordinates x"), ys = y.get(-1, "coordinates y");
+    insitu_block b = flat(xs.count, ys.count);
+    b.kind = INSITU_BLOCK_RECTILINEAR;
+    b.coordinates[0] = xs;
+    b.coordinates[1] = ys;
     give(b);
   }
 
@@ -311,7 +360,15 @@ private:
   void give(const insitu_block& block) {
     detail::check(insitu_mesh_block(handle(), index_, &block));
     const std::int64_t* n = block.vertices;
-    state_->counts(index_) = {n[0] * n[1] * n[2], (n[0] - 1) * (n[1] - 1) * (n[2] - 1)};
+    state_->counts(index_) = {n[0] * n[1] * n[2],
+                              (n[0] - 1) * (n[1] - 1) *
+                                  (block.dimensions == 2 ? std::int64_t(1) : n[2] - 1)};
+  }
+  static insitu_block flat(std::int64_t ni, std::int64_t nj) {
+    insitu_block b = insitu_block_default();
+    b.dimensions = 2;
+    set_extent(b, ni, nj, 1);
+    return b;
   }
   static void set_extent(insitu_block& b, std::int64_t ni, std::int64_t nj, std::int64_t nk) {
     b.vertices[0] = ni;

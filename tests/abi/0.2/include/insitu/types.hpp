@@ -24,6 +24,9 @@ enum class Association { vertex = INSITU_VERTEX, cell = INSITU_CELL };
 
 /** Cell shapes, with VTK's numbers and VTK's order of points. */
 enum class Shape {
+  triangle = INSITU_TRIANGLE,
+  pixel = INSITU_PIXEL,
+  quad = INSITU_QUAD,
   tetrahedron = INSITU_TETRAHEDRON,
   voxel = INSITU_VOXEL,
   hexahedron = INSITU_HEXAHEDRON,
@@ -33,10 +36,13 @@ enum class Shape {
 
 /** Returns the number of vertices of a cell of that shape. */
 constexpr int vertex_count(Shape shape) noexcept {
-  return shape == Shape::tetrahedron ? 4
-         : shape == Shape::pyramid   ? 5
-         : shape == Shape::wedge     ? 6
-                                     : 8;
+  return shape == Shape::triangle      ? 3
+         : shape == Shape::tetrahedron ? 4
+         : shape == Shape::pixel       ? 4
+         : shape == Shape::quad        ? 4
+         : shape == Shape::pyramid     ? 5
+         : shape == Shape::wedge       ? 6
+                                       : 8;
 }
 
 enum class Accuracy { fast = INSITU_FAST, standard = INSITU_STANDARD, exact = INSITU_EXACT };

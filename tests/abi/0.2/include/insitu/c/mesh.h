@@ -20,8 +20,12 @@ typedef enum insitu_association INSITU_INT {
   INSITU_CELL = 1
 } insitu_association;
 
-/** Cell shapes, with VTK's numbers and VTK's order of points. */
+/** Cell shapes, with VTK's numbers and VTK's order of points. Triangles, pixels and quads are cells
+ *  of flat meshes (doc/guide/flat.md). */
 typedef enum insitu_shape INSITU_INT {
+  INSITU_TRIANGLE = 5,
+  INSITU_PIXEL = 8,
+  INSITU_QUAD = 9,
   INSITU_TETRAHEDRON = 10,
   INSITU_VOXEL = 11,
   INSITU_HEXAHEDRON = 12,
@@ -33,7 +37,8 @@ typedef enum insitu_layout INSITU_INT {
   INSITU_LAYOUT_UNIFORM = 0, /**< one shape; connectivity [count][vertices of the shape] */
   INSITU_LAYOUT_MIXED = 1,   /**< types[count], offsets[count] or [count + 1], connectivity[...] */
   INSITU_LAYOUT_PADDED = 2   /**< connectivity [count][8], in which unused ids are -1; the shape
-                                  follows from the number of ids: 4, 5, 6, 8 */
+                                  follows from the number of ids: 4, 5, 6, 8; of a flat mesh
+                                  [count][4], with 3 or 4 ids */
 } insitu_layout;
 
 /** The cells of a piece. connectivity is int32 or int64. For UNIFORM and PADDED one item of it is a
@@ -42,7 +47,7 @@ typedef struct insitu_cells {
   size_t size;
   insitu_layout layout;
   insitu_shape shape; /**< for UNIFORM: the shape; for PADDED: VOXEL or HEXAHEDRON, the shape of 8
-                           ids */
+                           ids, or PIXEL or QUAD, the shape of 4 ids of a flat mesh */
   int64_t count;
   insitu_array connectivity;
   insitu_array types;   /**< for MIXED: uint8, VTK's numbers */
@@ -137,13 +142,16 @@ typedef struct insitu_block {
   size_t size;
   insitu_block_kind kind;
   int64_t vertices[3];         /**< number of vertices along i, j, k; below 2 along an axis: the
-                                    block has no cells */
+                                    block has no cells, but see dimensions */
   double origin[3];            /**< for UNIFORM */
   double spacing[3];           /**< for UNIFORM; not 0 */
   insitu_array coordinates[3]; /**< for RECTILINEAR: vertices[a] values along axis a */
   int64_t first[3];            /**< for UNIFORM: vertex (i, j, k) lies at
                                     origin[a] + (first[a] + i) * spacing[a], so that the blocks of a
                                     grid that share its origin meet to the bit; 0 else */
+  int32_t dimensions;          /**< 3, or 2: a flat block of quads, which has one vertex along k and
+                                    reads nothing else of k */
+  int32_t reserved;            /**< always 0 */
 } insitu_block;
 
 static inline insitu_block insitu_block_default(void) {
@@ -158,11 +166,14 @@ static inline insitu_block insitu_block_default(void) {
     b.coordinates[i] = insitu_array_default();
     b.first[i] = 0;
   }
+  b.dimensions = 3;
+  b.reserved = 0;
   return b;
 }
 
 /** Gives the vertices of a piece: one interleaved array of 3 components, or three arrays x, y, z of
- *  one component (array_count 1 or 3), float32 or float64. */
+ *  one component (array_count 1 or 3), float32 or float64. The vertices of a flat mesh may lack z:
+ *  one array of 2 components, or two arrays (array_count 2). */
 INSITU_API insitu_status insitu_mesh_points(insitu_mesh mesh, int32_t piece,
                                             const insitu_array* arrays, int32_t array_count);
 

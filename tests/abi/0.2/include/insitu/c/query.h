@@ -54,6 +54,17 @@ typedef enum insitu_scope INSITU_INT {
                                    (process, piece, cell). The processes' meshes are committed */
 } insitu_scope;
 
+/** What a query answers for a point that no cell holds. */
+typedef enum insitu_outside INSITU_INT {
+  INSITU_OUTSIDE_NONE = 0,   /**< no cell */
+  INSITU_OUTSIDE_NEAREST = 1 /**< the nearest cell that may own points, and the point of it that is
+                                  nearest: the cell's ids, the parametric coordinates and the values
+                                  there. Of cells at one distance the one with the lowest id
+                                  answers. found stays 0. In a geodetic frame nearness is measured
+                                  in metres, by the lengths of a degree at the point
+                                  (doc/guide/nearest.md). On the host */
+} insitu_outside;
+
 /** Arguments of insitu_mesh_locate. points: one array of 3 components, or three arrays of 1
  *  (float32 or float64). Outputs are memory of the caller, one item a point, in the points' order;
  *  each may be null, and is then left out. INSITU_ERROR_ARGUMENT: an output shares memory with
@@ -83,10 +94,18 @@ typedef struct insitu_locate_args {
   insitu_scope scope; /**< INSITU_SCOPE_EVERYWHERE: on the host */
   int32_t padding;    /**< always 0 */
   int32_t* ranks;     /**< [count] the owner's process in the session's communicator; -1 outside */
-  int64_t* global_cells; /**< [count] the owner's global id; -1 outside, and where the solver gives
-                              none */
-  int64_t reserved[13];  /**< always 0. insitu_sample_args holds this struct, so its size stays as
-                              it is */
+  int64_t* global_cells;  /**< [count] the owner's global id; -1 outside, and where the solver gives
+                               none */
+  insitu_outside outside; /**< what points outside get */
+  int32_t padding_outside;  /**< always 0 */
+  double greatest_distance; /**< for INSITU_OUTSIDE_NEAREST: cells farther than that do not answer;
+                                 0: any distance */
+  double* distances; /**< [count] distance from the point to the cell that answers, in the mesh's
+                          units, in metres of a geodetic mesh; 0 inside, NaN without an answer */
+  double* nearest; /**< [count][3] the nearest point of the cell that answers, in the mesh's frame;
+                        the point itself inside, NaN without an answer */
+  int64_t reserved[9]; /**< always 0. insitu_sample_args holds this struct, so its size stays as
+                             it is */
 } insitu_locate_args;
 
 static inline insitu_locate_args insitu_locate_args_default(void) {
@@ -109,7 +128,12 @@ static inline insitu_locate_args insitu_locate_args_default(void) {
   a.padding = 0;
   a.ranks = NULL;
   a.global_cells = NULL;
-  for (i = 0; i < 13; ++i)
+  a.outside = INSITU_OUTSIDE_NONE;
+  a.padding_outside = 0;
+  a.greatest_distance = 0.0;
+  a.distances = NULL;
+  a.nearest = NULL;
+  for (i = 0; i < 9; ++i)
     a.reserved[i] = 0;
   return a;
 }
@@ -147,6 +171,51 @@ INSITU_API insitu_status insitu_mesh_sample(insitu_mesh mesh, const insitu_sampl
 INSITU_API insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field,
                                                   const double point[3], double* values,
                                                   int32_t* found);
+
+/** Arguments of insitu_mesh_nearest_vertices. Outputs are memory of the caller, of nearest items a
+ *  point, in order of distance and, at one distance, of ids; each may be null. */
+typedef struct insitu_vertices_args {
+  size_t size;
+  const insitu_array* points; /**< as for insitu_locate_args */
+  int32_t point_arrays;
+  int32_t nearest;           /**< how many vertices a point asks for, at least 1 */
+  const insitu_frame* frame; /**< frame of the points; null: the mesh's */
+  double greatest_distance;  /**< vertices farther than that are left out; 0: any distance */
+  insitu_scope scope;
+  int32_t vertex_base; /**< 0 or 1, which is added to the vertex ids */
+  int64_t* vertices;   /**< [count][nearest] ids; vertex_base - 1 where there are no more */
+  int32_t* pieces;     /**< [count][nearest] -1 where there are no more */
+  int32_t* ranks;      /**< [count][nearest] processes in the session's communicator; -1 where there
+                            are no more */
+  int64_t* global_vertices; /**< [count][nearest] global ids; -1 where there are no more, and where
+                                 the solver gives none */
+  double* distances;        /**< [count][nearest] NaN where there are no more */
+  double* places;           /**< [count][nearest][3] the vertices' coordinates in the mesh's frame;
+                                 NaN where there are no more */
+} insitu_vertices_args;
+
+static inline insitu_vertices_args insitu_vertices_args_default(void) {
+  insitu_vertices_args a;
+  a.size = sizeof a;
+  a.points = NULL;
+  a.point_arrays = 1;
+  a.nearest = 1;
+  a.frame = NULL;
+  a.greatest_distance = 0.0;
+  a.scope = INSITU_SCOPE_LOCAL;
+  a.vertex_base = 0;
+  a.vertices = NULL;
+  a.pieces = a.ranks = NULL;
+  a.global_vertices = NULL;
+  a.distances = a.places = NULL;
+  return a;
+}
+
+/** Finds the vertices nearest to each point, of all vertices of cells that may own points. Vertices
+ *  with one global id count once; without global ids a vertex counts once in each piece. Distances
+ *  are those of insitu_locate_args. */
+INSITU_API insitu_status insitu_mesh_nearest_vertices(insitu_mesh mesh,
+                                                      const insitu_vertices_args* args);
 
 /** Writes the number of components of a field, and its association; each output may be null. */
 INSITU_API insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name,

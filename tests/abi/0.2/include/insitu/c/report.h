@@ -59,7 +59,9 @@ typedef enum insitu_purpose INSITU_INT {
                                       vertices and fields */
   INSITU_MEMORY_POLYHEDRA = 17,  /**< what cells given by faces are cut into, with their vertices
                                       and fields */
-  INSITU_MEMORY_COUNT = 18
+  INSITU_MEMORY_FLAT = 18,       /**< the flat cells of a flat mesh as volume cells, with their
+                                      vertices and fields */
+  INSITU_MEMORY_COUNT = 19
 } insitu_purpose;
 
 /** The room of the lists in insitu_report, of which later versions of the library use more. */

@@ -119,6 +119,16 @@ INSITU_API insitu_status insitu_session_checkpoint(insitu_session session, const
  *  processes as wrote the file, more or fewer may take it up (doc/guide/restart.md). */
 INSITU_API insitu_status insitu_session_restart(insitu_session session, const char* path);
 
+/** Writes what the last execute committed to one VTKHDF file (`.hdf`), whole or not at all: all
+ *  meshes with their pieces, fields, ghosts and frames, the cycle, the time and the scene, in the
+ *  precision of the caller's arrays. The caller calls it after insitu_session_execute() and before
+ *  the arrays change. A scene can ask for records too: `record: {every: 10}`. `insitu-replay` gives
+ *  the same tables, tracks and frames from the records of all cycles as the run did, and readers of
+ *  VTKHDF show unstructured and uniform meshes. INSITU_ERROR_ORDER: nothing was executed yet, or a
+ *  mesh was changed since. INSITU_ERROR_UNSUPPORTED: this build has no HDF5, or a mesh lies on a
+ *  device. Collective: all processes give the same path, and the root writes the one file. */
+INSITU_API insitu_status insitu_session_record(insitu_session session, const char* path);
+
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the
  *  meshes, with bytes, and what it does without, and why. Nothing of the plan is carried out. *text
  *  is the library's and stays valid until the session's next plan or its close; it is "" without a
