@@ -201,7 +201,7 @@ const MeshView& CellsCopy::on(const math::Vec3d* points) {
 void CellsCopy::keep(core::Archive& archive) {
   archive.array("earlier cells' pieces", pieces_);
   archive.array("earlier cells", bytes_);
-  archive.value("earlier cells are one, or flat", traits_);
+  archive.value("earlier cells are one", traits_);
 }
 
 } // namespace insitu::mesh
