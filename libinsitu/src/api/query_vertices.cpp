@@ -94,6 +94,7 @@ void Session::nearest_vertices(SessionMesh& to, const insitu_vertices_args& give
   };
   if (!everywhere) {
     take_arguments();
+    to.mesh.to_plane(points);
     commit::nearest_vertices(
         to.mesh, points, most, farthest, world.rank(), context_.threads,
         [&](std::size_t i, const query::NearVertices& found) { put(i, found.found()); });
@@ -103,6 +104,7 @@ void Session::nearest_vertices(SessionMesh& to, const insitu_vertices_args& give
                         {"nearest", std::to_string(args.nearest)},
                         {"greatest_distance", std::to_string(args.greatest_distance)}});
     to.mesh.update_chart(world, context_.threads, context_.log);
+    to.mesh.to_plane(points);
     commit::Everywhere(to.mesh, world)
         .nearest_vertices(points, most, farthest, context_.threads, put);
   }

@@ -12,7 +12,8 @@ NearestOwn own_of(const CommittedMesh& mesh, const query::NearestCell& found) {
     return {{}, {nan, nan, nan}, nan};
   const StandIn* const stand_in = mesh.stand_in();
   const query::ChartImage* const chart = stand_in ? stand_in->chart() : nullptr;
-  const Vec3d place = chart ? chart->point_of(found.point) : found.point;
+  Vec3d place = chart ? chart->point_of(found.point) : found.point;
+  mesh.to_plane({&place, 1});
   query::Location own = mesh.own(found.at, place);
   if (!own) { // between the boundary of what the solver has and its rounding
     mesh::CellVertices cell;
@@ -22,6 +23,8 @@ NearestOwn own_of(const CommittedMesh& mesh, const query::NearestCell& found) {
       middle += (1.0 / cell.count) * cell.x[v];
     own = mesh.own(found.at, place + 1e-9 * (middle - place));
   }
+  if (mesh.is_flat())
+    own.parametric.z = 0.5;
   return {own, place, std::sqrt(found.squared)};
 }
 
@@ -48,7 +51,8 @@ void nearest_vertices(
     return mesh.stand_in() ? mesh.stand_in()->place(flat).own : flat;
   };
   const auto global_id = [&](std::int64_t vertex) {
-    return mesh.mesh().global_id(INSITU_VERTEX, vertex);
+    const std::int64_t id = mesh.mesh().global_id(INSITU_VERTEX, vertex);
+    return mesh.mesh().is_flat() && id >= 0 ? id / 2 : id; // below and above the plane
   };
   const query::NearestVertices nearest(mesh.own_sampler(), mesh.mesh().own_view(), own_cell,
                                        global_id, rank);

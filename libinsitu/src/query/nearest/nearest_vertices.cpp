@@ -50,8 +50,11 @@ void NearestVertices::find(const Vec3d& p, NearVertices& found) const {
           const std::int64_t own = own_cell_(flat);
           const std::int32_t piece = own_.piece_of(own);
           const mesh::PieceView& cells = own_.pieces[piece];
-          cells.for_each_item_vertex(own - own_.first_cell[piece], [&](std::int64_t vertex) {
-            const Vec3d x = cells.point(vertex);
+          cells.for_each_item_vertex(own - own_.first_cell[piece], [&](std::int64_t id) {
+            const std::int64_t vertex = cells.solver_vertex(id);
+            Vec3d x = cells.point(id);
+            if (own_.is_flat)
+              x.z = own_.plane;
             Vec3d step = x - p;
             if (chart)
               step.x = std::remainder(step.x, turn);
