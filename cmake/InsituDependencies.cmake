@@ -9,6 +9,19 @@ find_package(NetCDF REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 
+# Records are HDF5 files; the serial library, which no MPI of a solver's meets.
+set(INSITU_HAVE_HDF5 OFF)
+if(NOT INSITU_WITH_HDF5 STREQUAL "OFF")
+  find_package(InsituHdf5)
+  if(InsituHdf5_FOUND)
+    set(INSITU_HAVE_HDF5 ON)
+  elseif(INSITU_WITH_HDF5 STREQUAL "ON")
+    message(FATAL_ERROR "insitu: INSITU_WITH_HDF5 is ON and no HDF5 was found")
+  else()
+    message(STATUS "insitu: HDF5 not found - sessions write no records, and insitu-replay reads none")
+  endif()
+endif()
+
 set(INSITU_HAVE_VTK OFF)
 set(INSITU_HAVE_VTK_RENDERING OFF)
 if(NOT INSITU_WITH_VTK STREQUAL "OFF")
@@ -20,6 +33,8 @@ if(NOT INSITU_WITH_VTK STREQUAL "OFF")
   endif()
   if(VTK_FOUND)
     set(INSITU_HAVE_VTK ON)
+    # Readers of insitu-replay alone: files of other programs.
+    find_package(VTK 9 QUIET COMPONENTS ${components} OPTIONAL_COMPONENTS IOCGNSReader IOExodus IOGeometry IOHDF IONetCDF)
     # insitu-bench render's peer alone.
     find_package(VTK 9 QUIET COMPONENTS ${components} OPTIONAL_COMPONENTS RenderingVolume RenderingOpenGL2
                                                                        RenderingVolumeOpenGL2)

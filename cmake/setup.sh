@@ -17,6 +17,7 @@ packages=(
   "libopenexr-dev:frames in floating point"
   "libgeographiclib-dev:frames of reference on Earth"
   "libnetcdf-dev:tracks and probes in netCDF"
+  "libhdf5-dev:records of runs"
   "nlohmann-json3-dev:figures of insitu-bench, dumps of Catalyst in insitu-replay"
   "libp4est-dev:p4est adaptor and the amr_blast miniapp"
   "mpi-default-dev:sessions of several processes; headers that those of p4est need"

@@ -297,6 +297,13 @@ insitu_status insitu_session_restart(insitu_session session, const char* path) {
   });
 }
 
+insitu_status insitu_session_record(insitu_session session, const char* path) {
+  return with_session(session, [&](api::Session& s) {
+    require(path, "path");
+    s.record(path);
+  });
+}
+
 insitu_status insitu_session_write_summary(insitu_session session, const char* path,
                                            double solver_s) {
   return with_session(session, [&](api::Session& s) {

@@ -28,6 +28,8 @@ void OutputLocks::take(const scene::SceneDescription& scene, const std::string& 
     add(f.name);
   if (scene.checkpoint.every)
     add("checkpoint");
+  if (scene.record.every)
+    add("record.hdf");
   actions_ = std::move(taken);
 }
 

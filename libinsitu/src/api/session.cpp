@@ -260,6 +260,8 @@ std::string Session::execute(std::int64_t cycle, double time) {
   processes_.agree_on_time(cycle, time);
   const std::vector<commit::CommittedMesh*> meshes = commit_on_all();
   ++statistics_.executions;
+  cycle_ = cycle;
+  time_ = time;
   if (!runner_ && default_scene_) {
     std::int64_t cells = 0;
     for (const commit::CommittedMesh* const m : meshes)
@@ -277,20 +279,45 @@ void Session::checkpoint(const std::string& path) {
   processes_.world().require_same({{"checkpoint", "'" + path + "'"}});
   std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
-    if (!runner_ || statistics_.executions == 0)
+    if (!runner_)
       throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': nothing was executed yet");
-    for (const auto& m : meshes_) {
-      if (!m->mesh.committed())
-        throw Error(INSITU_ERROR_ORDER, "checkpoint '" + path + "': mesh '" +
-                                            m->mesh.mesh().name() +
-                                            "' was changed since the last execute; a checkpoint is "
-                                            "of the step that was executed last");
-      meshes.push_back(&m->mesh);
-    }
+    meshes = executed_meshes("checkpoint '" + path + "'");
     if (processes_.world().is_root())
       locks_.take(path);
   });
   runner_->write_checkpoint(path, meshes);
+}
+
+std::vector<commit::CommittedMesh*> Session::executed_meshes(const std::string& what) {
+  if (statistics_.executions == 0)
+    throw Error(INSITU_ERROR_ORDER, what + ": nothing was executed yet");
+  std::vector<commit::CommittedMesh*> meshes;
+  for (const auto& m : meshes_) {
+    if (!m->mesh.committed())
+      throw Error(INSITU_ERROR_ORDER, what + ": mesh '" + m->mesh.mesh().name() +
+                                          "' was changed since the last execute, of whose step the "
+                                          "file is to be");
+    meshes.push_back(&m->mesh);
+  }
+  return meshes;
+}
+
+void Session::record(const std::string& path) {
+  meet("record");
+  processes_.world().require_same({{"record", "'" + path + "'"}});
+  std::vector<commit::CommittedMesh*> meshes;
+  processes_.world().agree_after([&] {
+    meshes = executed_meshes("record '" + path + "'");
+    if (processes_.world().is_root())
+      locks_.take(path);
+  });
+  if (runner_)
+    runner_->write_record(path, meshes);
+  else {
+    if (!records_)
+      records_.emplace(context_, processes_.world(), statistics_);
+    records_->write(path, {cycle_, time_, {}, {}}, meshes);
+  }
 }
 
 void Session::restart(const std::string& path) {

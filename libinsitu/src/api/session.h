@@ -52,6 +52,8 @@ public:
   const std::string& plan();
   /// The state of all tracers, to a file and back; the latter before the first execute().
   void checkpoint(const std::string& path);
+  /// What was executed last, to a file.
+  void record(const std::string& path);
   void restart(const std::string& path);
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
@@ -100,6 +102,9 @@ private:
                       const QueryPoints& points,
                       core::FunctionRef<void(std::int64_t, std::span<const math::Vec3d>)> visit);
   std::vector<commit::CommittedMesh*> commit_all();
+  /// The meshes as the last execute left them, for what is named in messages. Throws
+  /// INSITU_ERROR_ORDER.
+  std::vector<commit::CommittedMesh*> executed_meshes(const std::string& what);
   /// Commits them on all processes; they then are the same meshes in the same order.
   std::vector<commit::CommittedMesh*> commit_on_all();
   void meet(const char* call);
@@ -125,6 +130,9 @@ private:
   std::optional<scene::SceneDescription> scene_; ///< that the caller gave
   OutputLocks locks_;                            ///< of what the runner writes
   std::unique_ptr<scene::Runner> runner_;
+  std::optional<scene::Records> records_; ///< of a session without a scene
+  std::int64_t cycle_ = 0;                ///< executed last, and its time
+  double time_ = 0.0;
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <unistd.h>
@@ -19,6 +21,7 @@
 #include "options.h"
 #include "parts.h"
 #include "read.h"
+#include "records/meshes.h"
 #include "steps.h"
 
 namespace insitu_replay {
@@ -71,8 +74,11 @@ std::string probe_scene(const std::string& points) {
 class Replay {
 public:
   explicit Replay(const ReplayOptions& options)
-      : options_(options), steps_(steps_of(options.files)), session_(session_options()),
-        mesh_(session_.mesh(options.mesh)) {
+      : options_(options), steps_(steps_of(options.files)), first_(first_record()),
+        session_(session_options()) {
+    if (first_)
+      return; // records name their meshes
+    mesh_ = session_.mesh(options.mesh);
     mesh_.frame(options.frame);
     mesh_.separate_pieces(options.separate_pieces);
   }
@@ -114,11 +120,36 @@ public:
   }
 
 private:
+  /// Of steps that are records, what the first one says besides its arrays.
+  std::optional<Record> first_record() const {
+    const std::string& first = steps_.front().files.front();
+    if (!is_record(first))
+      return std::nullopt;
+    if (options_.mesh != ReplayOptions().mesh || options_.separate_pieces ||
+        !options_.blanks.empty() || options_.has_frame)
+      throw UsageError("records hold the meshes' names, frames, pieces and blank values: give no "
+                       "--mesh, --frame, --pieces and --blank");
+    return read_record(*open_record(first));
+  }
+
+  /// The recorded scene: in its place, where points' files beside it are found, if it is still
+  /// there.
+  void choose_recorded_scene(insitu::Options& o) const {
+    std::ifstream in(first_->scene_file, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    if (in && !first_->scene_text.empty() && text == first_->scene_text)
+      o.scene = first_->scene_file;
+    else
+      o.scene_text = first_->scene_text;
+  }
+
   insitu::Options session_options() {
     insitu::Options o;
     o.scene = options_.scene;
     if (!options_.probe.empty())
       o.scene_text = probe_scene(options_.probe);
+    else if (first_ && o.scene.empty())
+      choose_recorded_scene(o);
     o.default_scene = o.scene.empty() && o.scene_text.empty() && !options_.validate;
     o.output = options_.out;
     o.threads = options_.threads;
@@ -143,12 +174,29 @@ private:
     const std::string& first = step.files.front();
     progress_.show("[" + std::to_string(i + 1) + "/" + std::to_string(steps_.size()) + "] " +
                    first);
+    const bool is_first = cycles_.empty();
+    const double earlier = time_; // of the step read before
+    if (first_)
+      give_record(step);
+    else
+      give_files(step, std::int64_t(s));
+    if (!is_first && (options_.reverse ? time_ > earlier : time_ < earlier))
+      throw FileError(first, "time " + std::to_string(time_) + " follows " +
+                                 std::to_string(earlier) + "; give the files in the order of time");
+  }
+
+  void give_record(const Step& step) {
+    const Record record = records_.give(session_, step.files.front());
+    cycle_ = unused_cycle(step.files.front(), record.cycle, 0);
+    time_ = record.time;
+  }
+
+  void give_files(const Step& step, std::int64_t s) {
+    const std::string& first = step.files.front();
     std::vector<Part> parts;
     for (const std::string& file : step.files)
       for (Part& part : read_parts(file))
         parts.push_back(std::move(part));
-    const bool is_first = cycles_.empty();
-    const double earlier = time_; // of the step read before
     if (!parts.empty()) {
       drop_surfaces(parts, [this](const std::string& what) { say_once(what); });
       cycle_ = unused_cycle(first, cycle_of(parts[0].data), std::int64_t(s));
@@ -157,9 +205,6 @@ private:
     give(parts, first);
     if (!parts.empty())
       give_blanks(first, field_names_of(parts));
-    if (!is_first && (options_.reverse ? time_ > earlier : time_ < earlier))
-      throw FileError(first, "time " + std::to_string(time_) + " follows " +
-                                 std::to_string(earlier) + "; give the files in the order of time");
   }
 
   /// What the file says, or its place in the order; but if a step had that number before (exporters
@@ -266,10 +311,19 @@ private:
   }
 
   bool validate(std::size_t s) {
-    const insitu::Validation v = mesh_.validate();
     progress_.clear();
+    bool well = true;
+    if (!first_)
+      return validate(mesh_, steps_[s].files.front());
+    for (std::size_t m = 0; m < records_.meshes().size(); ++m)
+      well = validate(records_.meshes()[m], steps_[s].files.front()) && well;
+    return well;
+  }
+
+  bool validate(insitu::Mesh mesh, const std::string& name) {
+    const insitu::Validation v = mesh.validate();
     const insitu_validation& c = v.counts;
-    std::cout << steps_[s].files.front() << ": " << (v.accepted ? "accepted" : "refused") << ", "
+    std::cout << name << ": " << (v.accepted ? "accepted" : "refused") << ", "
               << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
               << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
               << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
@@ -288,6 +342,8 @@ private:
   // The session reads the arrays that the pieces hold, and is closed before they go.
   std::vector<insitu::vtk::Attachment> pieces_;
   std::optional<insitu::vtk::AdaptiveAttachment> adaptive_; ///< then no pieces
+  std::optional<Record> first_;                             ///< of records, the first
+  RecordedMeshes records_;
   insitu::Session session_;
   insitu::Mesh mesh_;
   std::int64_t cycle_ = 0;

@@ -20,6 +20,8 @@ FILE is a file that VTK reads, its suffix in small or capital letters:
   2): adaptive meshes with cell arrays, one file a step
   .pvd or .series (ParaView's JSON): an index of any of these, in the order of time; the parts of a
   step in a .pvd are the pieces of the mesh
+  .hdf: a record of a run (insitu_session_record, or 'record:' in its scene), with its meshes, and
+  its scene unless another is given
 Or it is a folder of dumps of Catalyst's calls (CATALYST_DATA_DUMP_DIRECTORY), or such dumps with
 their schemas beside them: the run is then done again, with one process in the place of all, with
 the run's own scene or another (--scene, --out, --threads, --strict).
@@ -163,6 +165,7 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.blanks.push_back(read_blank(take()));
     } else if (key == "--frame") {
       o.frame = read_frame(take());
+      o.has_frame = true;
     } else if (key == "--threads") {
       const std::string& text = take();
       const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.threads);

@@ -27,12 +27,13 @@ namespace insitu_replay {
 namespace fs = std::filesystem;
 
 const char* const readable_kinds = ".vtu, .vts, .vtr, .vti, .pvtu, .pvts, .pvtr, .pvti, .vtm, "
-                                   ".vtk, .vthb, .vth, .htg, .pvd or .series";
+                                   ".vtk, .vthb, .vth, .htg, .hdf, .pvd or .series";
 
 namespace {
 
 constexpr const char* endings[] = {".vtu",  ".vts", ".vtr", ".vti",  ".pvtu", ".pvts", ".pvtr",
-                                   ".pvti", ".vtm", ".vtk", ".vthb", ".vth",  ".htg"};
+                                   ".pvti", ".vtm", ".vtk", ".vthb", ".vth",  ".htg",
+                                   ".hdf"};
 
 /// Takes VTK's messages instead of the terminal.
 class QuietWindow : public vtkOutputWindow {

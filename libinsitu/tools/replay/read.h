@@ -2,19 +2,14 @@
 
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vtkSmartPointer.h>
+
+#include "file_error.h"
 
 class vtkDataObject;
 
 namespace insitu_replay {
-
-/// A file that cannot be read; what() begins with its name.
-struct FileError : std::runtime_error {
-  FileError(const std::string& path, const std::string& what)
-      : std::runtime_error(path + ": " + what) {}
-};
 
 /// What a file's name ends in, in small letters: ".vtu" of "a.VTU".
 std::string ending_of(const std::string& path);

@@ -2,6 +2,7 @@
 
 #include "core/status.h"
 #include "output/vtk/xml_text.h"
+#include "output/vtk/file_series.h"
 #include "output/vtk/xml_vtk.h"
 #include "unit/output/folder.h"
 
@@ -51,7 +52,7 @@ TEST(VtkFiles, CountsThatDoNotFitAreNamed) {
 TEST(Pvd, EachAddLeavesAWholeIndex) {
   const Folder folder;
   const std::string path = folder / "drifters.pvd";
-  PvdSeries series(path);
+  FileSeries series(path);
   series.add(0, "d_0.vtp");
   series.add(0.1, "a&b\"<.vtp");
   EXPECT_EQ(content(path),
@@ -66,32 +67,32 @@ TEST(Pvd, ARestartedRunContinues) {
   const Folder folder;
   const std::string path = folder / "drifters.pvd";
   {
-    PvdSeries series(path, true); // nothing there yet
+    FileSeries series(path, true); // nothing there yet
     for (int i = 0; i < 5; ++i) {
       series.add(0.1 * i, "a & b_" + std::to_string(i) + ".vtp");
     }
   }
-  PvdSeries series(path, true);
+  FileSeries series(path, true);
   ASSERT_EQ(series.entries().size(), 5u);
   EXPECT_EQ(series.entries()[3].first, 0.1 * 3);
   EXPECT_EQ(series.entries()[3].second, "a & b_3.vtp");
   series.add(0.1 * 2, "again.vtp"); // from a checkpoint: later entries go
   ASSERT_EQ(series.entries().size(), 3u);
   EXPECT_EQ(series.entries()[2].second, "again.vtp");
-  EXPECT_EQ(PvdSeries(path).entries().size(), 0u);
+  EXPECT_EQ(FileSeries(path).entries().size(), 0u);
 }
 
 TEST(Pvd, TimesMayDescend) {
   const Folder folder;
   const std::string path = folder / "drifters.pvd";
   {
-    PvdSeries series(path, true, true);
+    FileSeries series(path, true, true);
     for (int i = 5; i-- > 0;) {
       series.add(0.1 * i, "d_" + std::to_string(i) + ".vtp");
     }
     ASSERT_EQ(series.entries().size(), 5u);
   }
-  PvdSeries series(path, true, true);
+  FileSeries series(path, true, true);
   series.add(0.1 * 2, "again.vtp"); // from a checkpoint: those that came after go
   ASSERT_EQ(series.entries().size(), 3u);
   EXPECT_EQ(series.entries()[0].first, 0.1 * 4);
@@ -103,7 +104,29 @@ TEST(Pvd, TimesMayDescend) {
 TEST(Pvd, AForeignIndexIsNotContinued) {
   const Folder folder;
   put(folder / "x.pvd", "<?xml version=\"1.0\"?>\n<VTKFile>\n<Other/>\n</VTKFile>\n");
-  EXPECT_THROW(PvdSeries(folder / "x.pvd", true), Error);
+  EXPECT_THROW(FileSeries(folder / "x.pvd", true), Error);
+}
+
+TEST(Series, IsParaViewsJsonAndContinues) {
+  const Folder folder;
+  const std::string path = folder / "run.hdf.series";
+  {
+    FileSeries series(path, true);
+    series.add(0, "run_0.hdf");
+    series.add(0.1, "a\\b\"\n.hdf");
+    series.add(0.2, "run_2.hdf");
+  }
+  EXPECT_EQ(content(path), "{\"file-series-version\": \"1.0\", \"files\": [\n"
+                           "  {\"time\": 0, \"name\": \"run_0.hdf\"},\n"
+                           "  {\"time\": 0.1, \"name\": \"a\\\\b\\\"\\u000a.hdf\"},\n"
+                           "  {\"time\": 0.2, \"name\": \"run_2.hdf\"}\n"
+                           "]}\n");
+  FileSeries series(path, true);
+  ASSERT_EQ(series.entries().size(), 3u);
+  EXPECT_EQ(series.entries()[1].second, "a\\b\"\n.hdf");
+  series.add(0.15, "again.hdf");
+  ASSERT_EQ(series.entries().size(), 3u);
+  EXPECT_EQ(series.entries()[2].second, "again.hdf");
 }
 
 TEST(XmlText, EscapesAndBack) {

@@ -216,6 +216,7 @@ void Mesh::set_cells(std::int32_t piece, const insitu_cells* given) {
 
   Piece& p = piece_for(piece);
   p.set_cells_view(v);
+  p.given = copy;
   p.connectivity = connectivity;
   p.types = types;
   p.offsets = offsets;

@@ -17,6 +17,7 @@
 #include "mesh/registered/earlier_step.h"
 #include "mesh/registered/external_array.h"
 #include "mesh/registered/flat_piece.h"
+#include "mesh/registered/given.h"
 #include "mesh/view.h"
 
 namespace insitu::mesh {
@@ -209,6 +210,11 @@ public:
   void visit_field_arrays(const std::string& name, ArrayVisitor visit) const;
   /// The same of all fields of one piece.
   void visit_piece_fields(std::int32_t piece, ArrayVisitor visit) const;
+  /// What was given, piece by piece and beside the pieces (mesh_given.cpp); valid until something
+  /// else is given.
+  std::int32_t given_piece_count() const { return std::int32_t(pieces_.size()); }
+  GivenPiece given_piece(std::int32_t piece) const;
+  GivenMesh given() const;
   /// The copy audit, in the same order.
   std::vector<insitu_audit_entry> audit() const;
   std::int64_t bytes_borrowed() const;
@@ -216,6 +222,7 @@ public:
 private:
   struct Piece {
     bool has_cells = false, has_points = false, is_block = false;
+    GivenCells given;
     PieceView view;
     std::vector<ExternalArray> points;
     ExternalArray connectivity, types, offsets, ghosts, hidden_points, axes[3];

@@ -71,6 +71,7 @@ void Mesh::set_block(std::int32_t piece, const insitu_block* given) {
   v.implicit_points = block->kind != INSITU_BLOCK_CURVILINEAR;
   Piece& p = piece_for(piece);
   p.set_cells_view(v);
+  p.given = copy;
   std::copy(axes, axes + 3, p.axes);
   p.is_block = true;
   if (dimensions == 2)

@@ -150,6 +150,7 @@ void Mesh::set_faces(std::int32_t piece, const insitu_faces* given) {
   v.index_base = faces.index_base;
   Piece& p = piece_for(piece);
   p.set_cells_view(v);
+  p.given = copy;
   p.face_arrays = std::move(reader.arrays);
   p.faces = faces;
   pending_ |= INSITU_CHANGED_ALL;

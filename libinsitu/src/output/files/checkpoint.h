@@ -9,6 +9,7 @@
 
 #include "core/archive.h"
 #include "output/files/atomic_file.h"
+#include "output/files/checksum.h"
 
 /// Files of state: a head of 40 bytes (the magic "INSITUCP", the version and a mark of the byte
 /// order as 32-bit integers, the bytes that follow, their checksum, and how many items they are, as
@@ -59,19 +60,6 @@ protected:
 private:
   void bytes(const char* name, std::size_t item_bytes, std::size_t count,
              core::FunctionRef<void*(std::size_t)> place) final;
-};
-
-/// Of all bytes that were added, whatever the pieces they came in.
-class Checksum {
-public:
-  void add(std::string_view bytes);
-  std::uint64_t sum() const;
-
-private:
-  std::uint64_t lanes_[4] = {basis, basis + 1, basis + 2, basis + 3};
-  std::string rest_; ///< fewer bytes than the lanes take at once
-  std::uint64_t size_ = 0;
-  static constexpr std::uint64_t basis = 0xcbf29ce484222325u;
 };
 
 /// A file, which appears whole with commit() (AtomicFile).

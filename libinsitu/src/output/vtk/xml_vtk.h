@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace insitu::output {
@@ -57,27 +56,5 @@ struct VtkPolyData : VtkDataSet {
 /// INSITU_ERROR_ARGUMENT naming the array whose count does not fit, INSITU_ERROR_FILE if the file
 /// cannot be written.
 void write_vtp(const std::string& path, const VtkPolyData& data);
-
-/// The index of a series of files over time (`.pvd`), rewritten atomically at every `add`, so a
-/// viewer can open it while the simulation runs.
-class PvdSeries {
-public:
-  /// With `resume` the entries that an earlier run wrote there are kept; an index that was not
-  /// written by this class is an error (core::Error, INSITU_ERROR_FILE) then, else it is replaced.
-  /// backward: time descends from one to the next.
-  explicit PvdSeries(std::string path, bool resume = false, bool backward = false);
-
-  /// `file` is relative to the index. Entries of an earlier run at this time or beyond it, those of
-  /// this run at this time, and one of the same name, go: a run that restarted writes them again.
-  void add(double time, const std::string& file);
-
-  const std::vector<std::pair<double, std::string>>& entries() const { return entries_; }
-
-private:
-  std::string path_;
-  std::vector<std::pair<double, std::string>> entries_;
-  std::size_t resumed_ = 0; ///< of entries_, the first ones: an earlier run's
-  bool backward_;
-};
 
 } // namespace insitu::output

@@ -35,6 +35,7 @@ SceneDescription preview_of(SceneDescription scene) {
   scene.probes.clear();
   scene.tracers.clear();
   scene.checkpoint = {};
+  scene.record = {};
   scene.page = false;
   scene.trigger = {};
   for (Frame& frame : scene.frames) {

@@ -215,12 +215,20 @@ struct CheckpointOptions {
   std::int64_t keep = 2;
 };
 
+/// When the committed meshes are written.
+struct RecordOptions {
+  std::optional<std::int64_t> every; ///< cycles from one record to the next; an empty optional: no
+                                     ///< records
+};
+
 struct SceneDescription {
   std::string file;                  ///< path of the scene file, for messages
+  std::string text;                  ///< what was parsed
   std::vector<std::string> warnings; ///< warnings of the parser, such as keys that were retired
   std::string output = "out";        ///< output folder, relative to the working directory
   LocatorOptions locator;
   CheckpointOptions checkpoint;
+  RecordOptions record;
   bool page = true; ///< whether the run has its page
   Trigger trigger;  ///< default of the items below, each of which holds the trigger that counts for
                     ///< it

@@ -74,9 +74,10 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   Problems problems(name, retired);
   SceneDescription scene;
   scene.file = name;
+  scene.text = text;
   const MapReader map(Cursor(*root, "", problems),
-                      {"insitu", "output", "page", "locator", "checkpoint", "every", "when",
-                       "probes", "tracers", "frames"});
+                      {"insitu", "output", "page", "locator", "checkpoint", "record", "every",
+                       "when", "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
     assign(scene.output, output->text());
@@ -89,6 +90,9 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   }
   if (const auto checkpoint = map.find("checkpoint")) {
     scene.checkpoint = parse_checkpoint(*checkpoint);
+  }
+  if (const auto record = map.find("record")) {
+    scene.record = parse_record(*record);
   }
   scene.trigger = parse_trigger(map, {});
   ParseContext context{base_folder, scene.trigger, {}, &scene.probes};

@@ -61,6 +61,7 @@ Tracer parse_tracer(const Cursor& cursor, ParseContext& context);
 Release parse_release(const Cursor& cursor);
 OutputTimes parse_times(const Cursor& cursor);
 CheckpointOptions parse_checkpoint(const Cursor& cursor);
+RecordOptions parse_record(const Cursor& cursor);
 /// Returns whether seeds are those of a probe, `{probe: name}`, which parse_seeds_of_probe then
 /// reads.
 bool names_probe(const Cursor& seeds);

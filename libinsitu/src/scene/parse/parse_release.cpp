@@ -74,6 +74,15 @@ CheckpointOptions parse_checkpoint(const Cursor& cursor) {
   return options;
 }
 
+RecordOptions parse_record(const Cursor& cursor) {
+  RecordOptions options;
+  const MapReader map(cursor, {"every"});
+  if (const auto every = map.require("every")) {
+    assign(options.every, every->integer(1, most_cycles));
+  }
+  return options;
+}
+
 bool names_probe(const Cursor& seeds) {
   if (!seeds.is_map()) {
     return false;

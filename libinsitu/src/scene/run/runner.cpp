@@ -20,7 +20,8 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
       table_(scene.frames, given.empty() ? scene.output : given),
       environment_{context,     world,  statistics, structures_,
                    reductions_, table_, scene.file, given.empty() ? scene.output : given},
-      locator_(scene.locator), checkpoint_(scene.checkpoint) {
+      locator_(scene.locator), checkpoint_(scene.checkpoint), record_(scene.record),
+      scene_text_(scene.text), records_(context, world, statistics) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
       query::pick_locator(locator_.choice, false);
@@ -159,6 +160,12 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   } catch (const core::Error& e) {
     failed("checkpoint", e);
   }
+  try {
+    if (record_.every && cycle_ % *record_.every == 0)
+      write_record(record_path(environment_.output, cycle_), meshes);
+  } catch (const core::Error& e) {
+    failed("record", e);
+  }
   environment_.statistics.output_s += timer.seconds();
   return failures;
 }
@@ -295,6 +302,13 @@ std::string Runner::meet_end() {
     }
   }
   return failures;
+}
+
+void Runner::write_record(const std::string& path, MeshList meshes) {
+  records_.write(path,
+                 {cycle_, times_.empty() ? 0.0 : times_.front(), environment_.scene_file,
+                  scene_text_},
+                 meshes, descends_);
 }
 
 std::string Runner::finish() {

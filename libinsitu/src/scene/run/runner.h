@@ -10,6 +10,7 @@
 #include "output/files/checkpoint.h"
 #include "scene/checkpoint/kept_mesh.h"
 #include "scene/parse/description.h"
+#include "scene/record/records.h"
 #include "scene/run/action.h"
 #include "scene/run/environment.h"
 #include "scene/run/step.h"
@@ -42,6 +43,10 @@ public:
   /// core::Error (INSITU_ERROR_FILE) on all processes alike for a file that is not of this scene;
   /// this runner is then of no use.
   void restart(const std::string& path);
+
+  /// Writes what the last execute() committed to a file, which is the root's. The meshes are as
+  /// they were then. Throws parallel::AgreedError.
+  void write_record(const std::string& path, MeshList meshes);
 
   /// Ends tracers and closes tables. Returns failures like execute().
   std::string finish();
@@ -97,6 +102,9 @@ private:
   bool descends_ = false;                             ///< it was less than the one before
   std::vector<double> times_;                         ///< of the last executions, the latest first
   CheckpointOptions checkpoint_;
+  RecordOptions record_;
+  std::string scene_text_; ///< for records
+  Records records_;
   std::vector<KeptMesh> kept_meshes_; ///< of a restart, until the first execute()
 };
 

@@ -39,9 +39,9 @@ void VtpSeries::write(const Environment& environment, const std::string& name,
   if (!index_) { // entries before this time stay, as rows of tables do
     const std::string index = environment.output + "/" + name + ".pvd";
     try {
-      index_ = std::make_unique<output::PvdSeries>(index, true, backward_);
+      index_ = std::make_unique<output::FileSeries>(index, true, backward_);
     } catch (const core::Error&) { // not one of ours: replaced
-      index_ = std::make_unique<output::PvdSeries>(index);
+      index_ = std::make_unique<output::FileSeries>(index);
     }
   }
   index_->add(time, path.substr(environment.output.size() + 1));

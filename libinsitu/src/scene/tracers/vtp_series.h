@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "output/vtk/file_series.h"
 #include "output/vtk/xml_vtk.h"
 #include "scene/run/environment.h"
 #include "scene/run/step.h"
@@ -36,7 +37,7 @@ public:
              double time, output::VtkPolyData& data);
 
 private:
-  std::unique_ptr<output::PvdSeries> index_;
+  std::unique_ptr<output::FileSeries> index_;
   bool backward_;
 };
 
