@@ -1,21 +1,24 @@
 #!/usr/bin/env bash
 # Runs a case of tests/regression/cases alone and on several processes, and compares what is written, byte by byte.
-#   processes.sh --bin DIR --work DIR [--only REGEX] [--stop CYCLE] CASE N [N ...]
+#   processes.sh --bin DIR --work DIR [--only REGEX] [--stop CYCLE | --replay] CASE N [N ...]
 # --bin: where the miniapps are; --work: a folder to run in, emptied first; --only: the files to compare, such as
 # 'gauges|blast_' (all tables and images); N: numbers of processes. With --stop, which the miniapp has to know, a run stops some
 # cycles after that one, on each of N, and goes on on the next of N from the checkpoint of that cycle; the last ends the run.
+# With --replay every cycle is recorded on each of N processes (1: without MPI), and what insitu-replay makes of the records is
+# compared with what the run alone wrote.
 # Exit code: 0 same, 1 different, 2 could not run.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-bin= work= only=. stop=
+bin= work= only=. stop= replay=
 while [ $# -gt 0 ]; do
   case $1 in
     --bin) bin=$(cd "$2" && pwd); shift 2 ;;
     --work) work=$2; shift 2 ;;
     --only) only=$2; shift 2 ;;
     --stop) stop=$2; shift 2 ;;
-    --help|-h) sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --replay) replay=1; shift ;;
+    --help|-h) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "processes.sh: no option '$1'; see --help" >&2; exit 2 ;;
     *) break ;;
   esac
@@ -37,7 +40,7 @@ run() { # folder, launcher ...
     > "$folder.log" 2>&1 || { cat "$folder.log" >&2; echo "processes.sh: $program failed ($*)" >&2; exit 2; }
 }
 files() { # of a folder, but for those that hold seconds
-  (cd "$1" && find . -type f ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name '*.insitu*' | { grep -E "$only" || true; } | sort)
+  (cd "$1" && find . -type f ! -name '*.js' ! -name '*.html' ! -name summary.json ! -name '*.insitu*' ! -name '*.hdf*' | { grep -E "$only" || true; } | sort)
 }
 
 run alone env
@@ -56,6 +59,20 @@ if [ -n "$stop" ]; then # the same folder for all
     cmp "$work/alone/$file" "$work/stopped/$file" || different=1
   done < <({ files "$work/alone"; files "$work/stopped"; } | sort -u)
   [ $different = 0 ] && echo "$name: $(files "$work/alone" | wc -l) files are the same without a stop and stopped on $* processes"
+  exit $different
+fi
+if [ -n "$replay" ]; then
+  printf 'record: {every: 1}\n' >> "$scene"
+  for processes in "$@"; do
+    launch=(mpirun -n "$processes")
+    [ "$processes" -gt 1 ] || launch=(env)
+    run "on_$processes" "${launch[@]}"
+    timeout 100 "$bin/insitu-replay" --out "$work/again_$processes" "$work/on_$processes/record.hdf.series" || exit 2
+    while read -r file; do
+      cmp "$work/alone/$file" "$work/again_$processes/$file" || different=1
+    done < <({ files "$work/alone"; files "$work/again_$processes"; } | sort -u)
+  done
+  [ $different = 0 ] && echo "$name: $(files "$work/alone" | wc -l) files are the same alone and replayed from records on $* processes"
   exit $different
 fi
 for processes in "$@"; do

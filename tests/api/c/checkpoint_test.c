@@ -86,6 +86,8 @@ int main(void) {
   run(session, mesh, 0, 4);
   EXPECT(insitu_session_checkpoint(session, "state") == INSITU_OK);
   EXPECT(insitu_session_checkpoint(session, "again") == INSITU_OK);
+  const insitu_status recorded = insitu_session_record(session, "record.hdf");
+  EXPECT(recorded == INSITU_OK || recorded == INSITU_ERROR_UNSUPPORTED); /* without HDF5 */
   EXPECT(same_files("state", "again"));
   EXPECT_ERROR(insitu_session_restart(session, "state"), INSITU_ERROR_ORDER, "restart");
   run(session, mesh, 5, 6);

@@ -52,6 +52,8 @@ contains
       if (cycle == checkpoint_after) then
         call session%checkpoint('state', ierr)
         call expect_ok('checkpoint', session, ierr)
+        call session%record('record.hdf', ierr)
+        if (ierr /= insitu_error_unsupported) call expect_ok('record', session, ierr)
       end if
     end do
     call session%close(ierr)

@@ -6,9 +6,12 @@ namespace insitu::output {
 
 struct HdfWriter::File {};
 
-HdfWriter::HdfWriter(const std::string& path) {
+void HdfWriter::require_hdf5(const std::string& what) {
   throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                    "cannot write '" + path + "': this build has no HDF5 (INSITU_WITH_HDF5)");
+                    what + ": this build has no HDF5 (INSITU_WITH_HDF5)");
+}
+HdfWriter::HdfWriter(const std::string& path) {
+  require_hdf5("cannot write '" + path + "'");
 }
 HdfWriter::~HdfWriter() = default;
 void HdfWriter::make_dataset(const std::string&, insitu_type, std::span<const std::int64_t>) {}

@@ -5,6 +5,7 @@
 
 #include "core/status.h"
 #include "core/timer.h"
+#include "output/hdf/hdf_writer.h"
 #include "scene/expression/reduce.h"
 #include "scene/frames/frame_action.h"
 #include "scene/probes/probe_action.h"
@@ -30,6 +31,8 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
                         scene.file + ":" + std::to_string(locator_.line) + ": " + e.what());
     }
   }
+  if (record_.every)
+    output::HdfWriter::require_hdf5(scene.file + ": record");
   if (with_page_ && world.is_root()) {
     page_ = std::make_unique<PageRecord>(scene, environment_.output, context, statistics);
     environment_.page = page_.get();

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <set>
-#include <string_view>
 
 #include "output/files/checksum.h"
 #include "file_error.h"
@@ -77,45 +75,43 @@ using insitu::detail::check;
 using Keep = std::vector<std::unique_ptr<std::byte[]>>;
 
 /// The array of that name, or one without items.
-insitu_array array_of(ArrayReader& reader, const RecordedPiece& piece, const char* name,
-                      Keep& keep) {
-  const auto found = piece.arrays.find(name);
-  return found == piece.arrays.end() ? insitu_array_default() : reader.read(found->second, keep);
+insitu_array array_of(const PieceArrays& arrays, const char* name) {
+  const auto found = arrays.find(name);
+  return found == arrays.end() ? insitu_array_default() : found->second;
 }
 
-void give_cells(ArrayReader& reader, const RecordedPiece& piece, insitu_mesh mesh, int p,
-                Keep& keep) {
-  const auto read = [&](const char* name) { return array_of(reader, piece, name, keep); };
+void give_cells(const RecordedPiece& piece, const PieceArrays& arrays, insitu_mesh mesh, int p) {
+  const auto array = [&](const char* name) { return array_of(arrays, name); };
   switch (piece.kind) {
   case RecordedPiece::Kind::none:
     break;
   case RecordedPiece::Kind::cells: {
     insitu_cells cells = piece.cells;
-    cells.connectivity = read("connectivity");
-    cells.types = read("types");
-    cells.offsets = read("offsets");
+    cells.connectivity = array("connectivity");
+    cells.types = array("types");
+    cells.offsets = array("offsets");
     check(insitu_mesh_cells(mesh, p, &cells));
     break;
   }
   case RecordedPiece::Kind::faces: {
     insitu_faces faces = piece.faces;
-    faces.vertices = read("vertices");
-    faces.offsets = read("face offsets");
-    faces.owner = read("owner");
-    faces.neighbour = read("neighbour");
-    faces.boundary_vertices = read("boundary vertices");
-    faces.boundary_offsets = read("boundary offsets");
-    faces.boundary_owner = read("boundary owner");
-    faces.cell_faces = read("cell faces");
-    faces.cell_offsets = read("cell offsets");
+    faces.vertices = array("vertices");
+    faces.offsets = array("face offsets");
+    faces.owner = array("owner");
+    faces.neighbour = array("neighbour");
+    faces.boundary_vertices = array("boundary vertices");
+    faces.boundary_offsets = array("boundary offsets");
+    faces.boundary_owner = array("boundary owner");
+    faces.cell_faces = array("cell faces");
+    faces.cell_offsets = array("cell offsets");
     check(insitu_mesh_faces(mesh, p, &faces));
     break;
   }
   case RecordedPiece::Kind::block: {
     insitu_block block = piece.block;
-    block.coordinates[0] = read("coordinates 0");
-    block.coordinates[1] = read("coordinates 1");
-    block.coordinates[2] = read("coordinates 2");
+    block.coordinates[0] = array("coordinates 0");
+    block.coordinates[1] = array("coordinates 1");
+    block.coordinates[2] = array("coordinates 2");
     check(insitu_mesh_block(mesh, p, &block));
     break;
   }
@@ -124,9 +120,9 @@ void give_cells(ArrayReader& reader, const RecordedPiece& piece, insitu_mesh mes
     break;
   case RecordedPiece::Kind::leaves: {
     insitu_leaves leaves = piece.leaves;
-    leaves.levels = read("levels");
-    leaves.corners = read("corners");
-    if (piece.arrays.count("levels") == 0) { // a piece without cells
+    leaves.levels = array("levels");
+    leaves.corners = array("corners");
+    if (arrays.count("levels") == 0) { // a piece without cells
       leaves.levels = insitu_array_of(nullptr, INSITU_INT32, 0, 1);
       leaves.corners = insitu_array_of(nullptr, INSITU_INT32, 0, 3);
     }
@@ -137,26 +133,17 @@ void give_cells(ArrayReader& reader, const RecordedPiece& piece, insitu_mesh mes
 }
 
 /// Ghosts and ids, which stay where cells are given again.
-void give_beside_cells(ArrayReader& reader, const RecordedPiece& piece, insitu_mesh mesh, int p,
-                       Keep& keep) {
-  const auto give = [&](const char* name, auto&& to) {
-    const bool given = piece.arrays.count(name) > 0;
-    const insitu_array array = array_of(reader, piece, name, keep);
-    check(to(given ? &array : nullptr));
+void give_beside_cells(const RecordedPiece& piece, const PieceArrays& arrays, insitu_mesh mesh,
+                       int p, bool is_adaptive) {
+  const auto find = [&](const char* name) {
+    const auto found = arrays.find(name);
+    return found == arrays.end() ? nullptr : &found->second;
   };
-  const bool is_adaptive =
-      piece.kind == RecordedPiece::Kind::patch || piece.kind == RecordedPiece::Kind::leaves;
   if (!is_adaptive) {
-    give("ghosts", [&](const insitu_array* a) {
-      return insitu_mesh_ghosts(mesh, p, a, piece.convention);
-    });
-    give("global ids of vertices", [&](const insitu_array* a) {
-      return insitu_mesh_global_ids(mesh, p, INSITU_VERTEX, a);
-    });
+    check(insitu_mesh_ghosts(mesh, p, find("ghosts"), piece.convention));
+    check(insitu_mesh_global_ids(mesh, p, INSITU_VERTEX, find("global ids of vertices")));
   }
-  give("global ids of cells", [&](const insitu_array* a) {
-    return insitu_mesh_global_ids(mesh, p, INSITU_CELL, a);
-  });
+  check(insitu_mesh_global_ids(mesh, p, INSITU_CELL, find("global ids of cells")));
 }
 
 /// The cells of a patch within an array that has its layers of ghosts around them.
@@ -182,6 +169,199 @@ insitu_array within_ghosts(insitu_array array, const insitu_patch& patch) {
 
 } // namespace
 
+/// Gives one mesh of a record.
+class RecordedMeshes::Giver {
+public:
+  Giver(const RecordSource& source, const RecordedMesh& mesh, Known& to)
+      : reader_(source), mesh_(mesh), to_(to), handle_(to.mesh.handle()),
+        other_cells_(!to.given || mesh.topology != to.topology ||
+                     mesh.pieces.size() != to.pieces),
+        other_points_(other_cells_ || mesh.geometry != to.geometry) {}
+
+  void give() {
+    check(insitu_mesh_frame(handle_, &mesh_.frame));
+    check(insitu_mesh_separate_pieces(handle_, mesh_.separate_pieces));
+    if (mesh_.is_adaptive) {
+      insitu_amr levels = mesh_.levels;
+      levels.ratios = mesh_.ratios.empty() ? nullptr : mesh_.ratios.data();
+      check(insitu_mesh_amr(handle_, &levels));
+    }
+    if (other_cells_)
+      give_all_cells();
+    if (other_points_)
+      give_points();
+    give_hidden_points();
+    give_fields();
+    reader_.check_sums();
+    if (other_cells_)
+      to_.cells = std::move(cells_);
+    if (other_points_)
+      to_.points = std::move(points_);
+    to_.values = std::move(values_);
+    to_.given = true;
+    to_.topology = mesh_.topology;
+    to_.geometry = mesh_.geometry;
+    to_.pieces = mesh_.pieces.size();
+  }
+
+private:
+  void give_all_cells() {
+    to_.of_cells.assign(mesh_.pieces.size(), {});
+    for (std::size_t p = 0; p < mesh_.pieces.size(); ++p) {
+      for (const auto& [name, array] : mesh_.pieces[p].arrays)
+        if (name != "points" && name != "hidden points")
+          to_.of_cells[p][name] = reader_.read(array, cells_);
+      if (mesh_.processes > 1)
+        hide_ghosts(mesh_.pieces[p], to_.of_cells[p]);
+    }
+    to_.assembly.reset();
+    if (mesh_.processes > 1 && !mesh_.is_adaptive)
+      to_.assembly = Assembly::make(mesh_, to_.of_cells);
+    if (to_.assembly) {
+      const insitu_cells cells = to_.assembly->cells();
+      check(insitu_mesh_cells(handle_, 0, &cells));
+      check(insitu_mesh_ghosts(handle_, 0, nullptr, INSITU_GHOSTS_VTK));
+      for (const insitu_association on : {INSITU_VERTEX, INSITU_CELL}) {
+        const insitu_array ids = to_.assembly->global_ids(on);
+        check(insitu_mesh_global_ids(handle_, 0, on, &ids));
+      }
+    } else {
+      for (std::size_t p = 0; p < mesh_.pieces.size(); ++p) {
+        give_cells(mesh_.pieces[p], to_.of_cells[p], handle_, int(p));
+        give_beside_cells(mesh_.pieces[p], to_.of_cells[p], handle_, int(p), mesh_.is_adaptive);
+      }
+    }
+    const std::size_t pieces = to_.assembly ? 1 : mesh_.pieces.size();
+    if (to_.pieces > pieces)
+      check(insitu_mesh_drop_pieces(handle_, std::int32_t(pieces)));
+  }
+
+  /// The array of that name of each piece; null where a piece has none.
+  std::vector<const insitu_array*> of_pieces(const char* name, Keep& keep,
+                                             std::vector<insitu_array>& read) {
+    read.reserve(mesh_.pieces.size());
+    std::vector<const insitu_array*> out(mesh_.pieces.size(), nullptr);
+    for (std::size_t p = 0; p < mesh_.pieces.size(); ++p)
+      if (const auto found = mesh_.pieces[p].arrays.find(name);
+          found != mesh_.pieces[p].arrays.end()) {
+        read.push_back(reader_.read(found->second, keep));
+        out[p] = &read.back();
+      }
+    return out;
+  }
+
+  void give_points() {
+    std::vector<insitu_array> read;
+    const auto points = of_pieces("points", points_, read);
+    if (to_.assembly) {
+      const std::vector<double> all = to_.assembly->points(mesh_, to_.of_cells, points);
+      const auto* const bytes = reinterpret_cast<const std::byte*>(all.data());
+      const auto& kept = points_.emplace_back(new std::byte[8 * all.size()]);
+      std::copy(bytes, bytes + 8 * all.size(), kept.get());
+      const insitu_array array = insitu_array_of(kept.get(), INSITU_FLOAT64,
+                                                 to_.assembly->count(INSITU_VERTEX), 3);
+      check(insitu_mesh_points(handle_, 0, &array, 1));
+      return;
+    }
+    for (std::size_t p = 0; p < points.size(); ++p)
+      if (points[p])
+        check(insitu_mesh_points(handle_, int(p), points[p], 1));
+  }
+
+  /// An array of all pieces' values, of which some piece has one.
+  insitu_array assembled(insitu_association on, const std::vector<const insitu_array*>& from) {
+    const insitu_array* first = nullptr;
+    for (const insitu_array* const array : from)
+      first = first ? first : array;
+    const std::size_t item = std::size_t(first->components) * std::size_t(bytes_of(first->type));
+    for (const insitu_array* const array : from)
+      if (array && (array->type != first->type || array->components != first->components))
+        throw insitu::Error(INSITU_ERROR_UNSUPPORTED,
+                            "processes have an array of different types, and cells whose global ids "
+                            "do not ascend from process to process");
+    const std::int64_t count = to_.assembly->count(on);
+    const auto& kept = values_.emplace_back(new std::byte[item * std::size_t(count)]);
+    to_.assembly->gather(on, from, item, kept.get());
+    return insitu_array_of(kept.get(), first->type, count, first->components);
+  }
+
+  void give_hidden_points() {
+    std::vector<insitu_array> read;
+    const auto hidden = of_pieces("hidden points", values_, read);
+    if (mesh_.is_adaptive)
+      return;
+    if (to_.assembly) {
+      const insitu_array all = read.empty() ? insitu_array_default() : assembled(INSITU_VERTEX, hidden);
+      check(insitu_mesh_hidden_points(handle_, 0, read.empty() ? nullptr : &all));
+      return;
+    }
+    for (std::size_t p = 0; p < hidden.size(); ++p)
+      check(insitu_mesh_hidden_points(handle_, int(p), hidden[p]));
+  }
+
+  void give_fields() {
+    // Fields that are gone, or have lost blank values, which add up, are taken away first.
+    std::map<std::string, std::vector<double>> blanks;
+    for (const RecordedMesh::Field& field : mesh_.fields)
+      blanks[field.name] = field.blanks;
+    for (const auto& [name, before] : to_.blanks)
+      if (const auto now = blanks.find(name); now == blanks.end() || has_lost(now->second, before))
+        check(insitu_mesh_remove_field(handle_, name.c_str()));
+    for (const RecordedMesh::Field& field : mesh_.fields) {
+      if (!give_field(field.name)) {
+        blanks.erase(field.name);
+        continue;
+      }
+      for (const double blank : field.blanks)
+        check(insitu_mesh_field_blank(handle_, field.name.c_str(), blank));
+    }
+    to_.blanks = std::move(blanks);
+  }
+
+  /// Returns whether a piece has it.
+  bool give_field(const std::string& name) {
+    std::vector<insitu_array> read;
+    read.reserve(mesh_.pieces.size());
+    std::vector<const insitu_array*> arrays(mesh_.pieces.size(), nullptr);
+    insitu_association on = INSITU_VERTEX;
+    for (std::size_t p = 0; p < mesh_.pieces.size(); ++p)
+      for (const RecordedField& field : mesh_.pieces[p].fields) {
+        if (field.name != name || arrays[p])
+          continue;
+        read.push_back(reader_.read(field.array, values_));
+        if (mesh_.pieces[p].kind == RecordedPiece::Kind::patch)
+          read.back() = within_ghosts(read.back(), mesh_.pieces[p].patch);
+        arrays[p] = &read.back();
+        on = field.association;
+      }
+    if (read.empty())
+      return false;
+    if (to_.assembly) {
+      const insitu_array all = assembled(on, arrays);
+      check(insitu_mesh_field(handle_, 0, name.c_str(), on, &all, 1));
+      return true;
+    }
+    for (std::size_t p = 0; p < arrays.size(); ++p)
+      if (arrays[p])
+        check(insitu_mesh_field(handle_, int(p), name.c_str(), on, arrays[p], 1));
+    return true;
+  }
+
+  static bool has_lost(const std::vector<double>& now, const std::vector<double>& before) {
+    return now.size() < before.size() ||
+           !std::equal(before.begin(), before.end(), now.begin(), [](double x, double y) {
+             return x == y || (std::isnan(x) && std::isnan(y));
+           });
+  }
+
+  ArrayReader reader_;
+  RecordedMesh mesh_; ///< whose ghosts may become hidden ones
+  Known& to_;
+  insitu_mesh handle_;
+  bool other_cells_, other_points_;
+  Keep cells_, points_, values_; ///< arrays that the session reads from now on
+};
+
 std::vector<insitu::Mesh> RecordedMeshes::meshes() const {
   std::vector<insitu::Mesh> out;
   for (const std::string& name : order_)
@@ -192,6 +372,12 @@ std::vector<insitu::Mesh> RecordedMeshes::meshes() const {
 Record RecordedMeshes::give(insitu::Session& session, const std::string& path) {
   const std::unique_ptr<RecordSource> source = open_record(path);
   Record record = read_record(*source);
+  give(session, *source, record);
+  return record;
+}
+
+void RecordedMeshes::give(insitu::Session& session, const RecordSource& source,
+                          const Record& record) {
   try {
     for (const RecordedMesh& mesh : record.meshes) {
       const auto [at, is_new] = known_.try_emplace(mesh.name);
@@ -199,88 +385,11 @@ Record RecordedMeshes::give(insitu::Session& session, const std::string& path) {
         at->second.mesh = session.mesh(mesh.name);
         order_.push_back(mesh.name);
       }
-      give(*source, mesh, at->second);
+      Giver(source, mesh, at->second).give();
     }
   } catch (const insitu::Error& e) {
-    throw FileError(path, e.what());
+    throw FileError(source.path(), e.what());
   }
-  return record;
-}
-
-void RecordedMeshes::give(const RecordSource& source, const RecordedMesh& mesh, Known& to) {
-  ArrayReader reader(source);
-  const insitu_mesh handle = to.mesh.handle();
-  const bool other_cells = !to.given || mesh.topology != to.topology ||
-                           mesh.pieces.size() != to.pieces;
-  const bool other_points = other_cells || mesh.geometry != to.geometry;
-  Keep cells, points, values;
-  check(insitu_mesh_frame(handle, &mesh.frame));
-  check(insitu_mesh_separate_pieces(handle, mesh.separate_pieces));
-  if (mesh.is_adaptive) {
-    insitu_amr levels = mesh.levels;
-    levels.ratios = mesh.ratios.empty() ? nullptr : mesh.ratios.data();
-    check(insitu_mesh_amr(handle, &levels));
-  }
-  for (std::size_t i = 0; i < mesh.pieces.size(); ++i) {
-    const RecordedPiece& piece = mesh.pieces[i];
-    const int p = int(i);
-    if (other_cells) {
-      give_cells(reader, piece, handle, p, cells);
-      give_beside_cells(reader, piece, handle, p, cells);
-    }
-    if (other_points && piece.arrays.count("points") > 0) {
-      const insitu_array array = array_of(reader, piece, "points", points);
-      check(insitu_mesh_points(handle, p, &array, 1));
-    }
-    const bool hides = piece.arrays.count("hidden points") > 0;
-    const insitu_array hidden = array_of(reader, piece, "hidden points", values);
-    if (!mesh.is_adaptive)
-      check(insitu_mesh_hidden_points(handle, p, hides ? &hidden : nullptr));
-  }
-  if (to.pieces > mesh.pieces.size())
-    check(insitu_mesh_drop_pieces(handle, std::int32_t(mesh.pieces.size())));
-  // Fields that are gone, or have lost blank values, which add up, are taken away first.
-  std::map<std::string, std::vector<double>> blanks;
-  for (const RecordedMesh::Field& field : mesh.fields)
-    blanks[field.name] = field.blanks;
-  const auto has_lost = [](const std::vector<double>& now, const std::vector<double>& before) {
-    return now.size() < before.size() ||
-           !std::equal(before.begin(), before.end(), now.begin(), [](double x, double y) {
-             return x == y || (std::isnan(x) && std::isnan(y));
-           });
-  };
-  for (const auto& [name, before] : to.blanks)
-    if (const auto now = blanks.find(name); now == blanks.end() || has_lost(now->second, before))
-      check(insitu_mesh_remove_field(handle, name.c_str()));
-  for (const RecordedMesh::Field& field : mesh.fields) {
-    bool any = false;
-    for (std::size_t i = 0; i < mesh.pieces.size(); ++i)
-      for (const RecordedField& on : mesh.pieces[i].fields) {
-        if (on.name != field.name)
-          continue;
-        insitu_array array = reader.read(on.array, values);
-        if (mesh.pieces[i].kind == RecordedPiece::Kind::patch)
-          array = within_ghosts(array, mesh.pieces[i].patch);
-        check(insitu_mesh_field(handle, int(i), field.name.c_str(), on.association, &array, 1));
-        any = true;
-      }
-    for (const double blank : field.blanks)
-      if (any)
-        check(insitu_mesh_field_blank(handle, field.name.c_str(), blank));
-    if (!any)
-      blanks.erase(field.name);
-  }
-  reader.check_sums();
-  to.blanks = std::move(blanks);
-  if (other_cells)
-    to.cells = std::move(cells);
-  if (other_points)
-    to.points = std::move(points);
-  to.values = std::move(values);
-  to.given = true;
-  to.topology = mesh.topology;
-  to.geometry = mesh.geometry;
-  to.pieces = mesh.pieces.size();
 }
 
 } // namespace insitu_replay
