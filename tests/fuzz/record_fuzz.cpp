@@ -7,9 +7,8 @@
 #include <map>
 #include <string>
 
-#include "promises.h"
-
 #include "output/files/checksum.h"
+#include "promises.h"
 #include "records/meshes.h"
 
 namespace {

@@ -32,8 +32,7 @@ const char* const readable_kinds = ".vtu, .vts, .vtr, .vti, .pvtu, .pvts, .pvtr,
 namespace {
 
 constexpr const char* endings[] = {".vtu",  ".vts", ".vtr", ".vti",  ".pvtu", ".pvts", ".pvtr",
-                                   ".pvti", ".vtm", ".vtk", ".vthb", ".vth",  ".htg",
-                                   ".hdf"};
+                                   ".pvti", ".vtm", ".vtk", ".vthb", ".vth",  ".htg",  ".hdf"};
 
 /// Takes VTK's messages instead of the terminal.
 class QuietWindow : public vtkOutputWindow {

@@ -1,6 +1,4 @@
 // The files of records: adaptive meshes, what VTK's reader shows of them, and what damage says.
-#include "records.h"
-
 #include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkHDFReader.h>
@@ -9,6 +7,8 @@
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
+
+#include "records.h"
 
 using namespace records;
 
@@ -170,7 +170,8 @@ TEST_F(RecordFiles, LeavesBehindPointers) {
 }
 
 TEST_F(RecordFiles, VtksReaderShowsCells) {
-  const std::string file = record([](auto session, Arrays& arrays) { give_cubes(session, arrays); });
+  const std::string file =
+      record([](auto session, Arrays& arrays) { give_cubes(session, arrays); });
   EXPECT_TRUE(vtkNew<vtkHDFReader>()->CanReadFile(file.c_str()));
   const auto shown = read_by_vtk(file);
   auto* const grid = vtkUnstructuredGrid::SafeDownCast(shown);
@@ -180,7 +181,8 @@ TEST_F(RecordFiles, VtksReaderShowsCells) {
   std::vector<double> p, u, c;
   for (const int piece : {0, 1}) {
     const Lattice lattice(3, piece);
-    for (auto [to, values] : {std::pair{&p, lattice.field(0.5)}, {&u, lattice.velocity(0.5)},
+    for (auto [to, values] : {std::pair{&p, lattice.field(0.5)},
+                              {&u, lattice.velocity(0.5)},
                               {&c, lattice.of_cells(0.5)}})
       to->insert(to->end(), values.begin(), values.end());
     double x[3];
@@ -221,7 +223,8 @@ TEST_F(RecordFiles, VtksReaderShowsGhosts) {
 }
 
 TEST_F(RecordFiles, VtksReaderShowsAUniformBlock) {
-  const std::string file = record([](auto session, Arrays& arrays) { give_block(session, arrays); });
+  const std::string file =
+      record([](auto session, Arrays& arrays) { give_block(session, arrays); });
   const auto shown = read_by_vtk(file);
   auto* const image = vtkImageData::SafeDownCast(shown);
   ASSERT_TRUE(image);
@@ -239,7 +242,8 @@ TEST_F(RecordFiles, VtksReaderShowsAUniformBlock) {
 /// A file that is cut short anywhere, or of which any byte is another one, is refused with its name
 /// and the path in it, or is as good as before: nothing is answered wrongly.
 TEST_F(RecordFiles, DamageIsTold) {
-  const std::string file = record([](auto session, Arrays& arrays) { give_block(session, arrays); });
+  const std::string file =
+      record([](auto session, Arrays& arrays) { give_block(session, arrays); });
   const std::string whole = contents(file);
   const auto probe = [&](const std::string& bytes) {
     std::ofstream(path("bad.hdf"), std::ios::binary) << bytes;
@@ -247,7 +251,8 @@ TEST_F(RecordFiles, DamageIsTold) {
   };
   ASSERT_EQ(probe(whole).code, 0);
   const std::string expected = contents(path("probed/probe.csv"));
-  for (const std::size_t size : {std::size_t(0), std::size_t(100), whole.size() / 2, whole.size() - 1}) {
+  for (const std::size_t size :
+       {std::size_t(0), std::size_t(100), whole.size() / 2, whole.size() - 1}) {
     const Outcome o = probe(whole.substr(0, size));
     EXPECT_EQ(o.code, 1) << size;
     EXPECT_NE(o.err.find("bad.hdf: "), std::string::npos) << o.err;

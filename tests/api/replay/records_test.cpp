@@ -12,8 +12,8 @@ std::vector<T> as(const std::vector<double>& values) {
 
 } // namespace
 
-/// Float32 points in three strided arrays, ids of 64 bits from 1 on, ghosts, hidden points and blank
-/// values; the vertices move, and then there are other cells.
+/// Float32 points in three strided arrays, ids of 64 bits from 1 on, ghosts, hidden points and
+/// blank values; the vertices move, and then there are other cells.
 TEST_F(Records, CellsOfOneShapeThatMoveAndChange) {
   same_again([&](insitu_session session, int step, Arrays& arrays) {
     const insitu_mesh mesh = mesh_of(session);
@@ -65,8 +65,10 @@ TEST_F(Records, PiecesInOtherLayouts) {
         std::vector<std::uint8_t> types;
         std::vector<std::int32_t> offsets;
         for (std::size_t c = 0; c < lattice.ids.size(); c += 8) // a cube, or two wedges
-          for (const auto& corners : c % 16 == 0 ? std::vector<std::vector<std::size_t>>{{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}}
-                                                 : std::vector<std::vector<std::size_t>>{{0, 1, 2, 3, 4, 5, 6, 7}}) {
+          for (const auto& corners :
+               c % 16 == 0
+                   ? std::vector<std::vector<std::size_t>>{{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}}
+                   : std::vector<std::vector<std::size_t>>{{0, 1, 2, 3, 4, 5, 6, 7}}) {
             offsets.push_back(std::int32_t(ids.size()));
             types.push_back(corners.size() == 6 ? INSITU_WEDGE : INSITU_HEXAHEDRON);
             for (const std::size_t v : corners)

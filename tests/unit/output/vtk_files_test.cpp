@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "core/status.h"
-#include "output/vtk/xml_text.h"
 #include "output/vtk/file_series.h"
+#include "output/vtk/xml_text.h"
 #include "output/vtk/xml_vtk.h"
 #include "unit/output/folder.h"
 

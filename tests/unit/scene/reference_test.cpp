@@ -79,6 +79,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
   const std::map<std::string, std::string> scenes = {
       {"The scene", "zzz: 1"},
       {"checkpoint", "checkpoint: {zzz: 1}"},
+      {"record", "record: {zzz: 1}"},
       {"locator", "locator: {zzz: 1}"},
       {"probes", "probes: [{zzz: 1}]"},
       {"Points and seeds", "probes: [{points: {zzz: 1}}]"},

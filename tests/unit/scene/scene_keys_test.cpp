@@ -265,6 +265,8 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(checkpoint.every, 50);
   EXPECT_EQ(checkpoint.keep, 2);
   EXPECT_EQ(parse("checkpoint: {every: 5, keep: 1}\n").checkpoint.keep, 1);
+  EXPECT_FALSE(parse("every: 2\n").record.every);
+  EXPECT_EQ(parse("record: {every: 7}\n").record.every, 7);
   const SceneDescription seeded =
       parse("probes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
             "tracers: [{name: t, velocity: u, seeds: {probe: p}}]");

@@ -25,7 +25,7 @@ struct GivenPiece {
   GivenCells cells;
   std::vector<std::pair<std::string, ExternalArray>> cell_arrays; ///< of `cells` and of leaves, by
                                                                   ///< their names in these structs
-  AmrPiece amr; ///< of an adaptive mesh
+  AmrPiece amr;                                                   ///< of an adaptive mesh
   std::vector<ExternalArray> points;
   ExternalArray ghosts, hidden_points, global_ids[2]; ///< not given() where there are none
   insitu_ghost_convention convention = INSITU_GHOSTS_VTK;

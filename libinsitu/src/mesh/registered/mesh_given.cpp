@@ -28,8 +28,8 @@ GivenPiece Mesh::given_piece(std::int32_t piece) const {
   out.hidden_points = from.hidden_points;
   out.global_ids[INSITU_VERTEX] = from.global_ids[INSITU_VERTEX];
   out.global_ids[INSITU_CELL] = from.global_ids[INSITU_CELL];
-  out.convention =
-      from.ghosts.given() && from.view.ghost_mask == 0xff ? INSITU_GHOSTS_ASCENT : INSITU_GHOSTS_VTK;
+  out.convention = from.ghosts.given() && from.view.ghost_mask == 0xff ? INSITU_GHOSTS_ASCENT
+                                                                       : INSITU_GHOSTS_VTK;
   for (const auto& field : fields_)
     if (p < field->pieces.size() && !field->pieces[p].arrays.empty())
       out.fields.push_back({field->name, field->association, field->pieces[p].arrays});

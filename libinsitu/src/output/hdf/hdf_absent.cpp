@@ -7,8 +7,7 @@ namespace insitu::output {
 struct HdfWriter::File {};
 
 void HdfWriter::require_hdf5(const std::string& what) {
-  throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                    what + ": this build has no HDF5 (INSITU_WITH_HDF5)");
+  throw core::Error(INSITU_ERROR_UNSUPPORTED, what + ": this build has no HDF5 (INSITU_WITH_HDF5)");
 }
 HdfWriter::HdfWriter(const std::string& path) {
   require_hdf5("cannot write '" + path + "'");

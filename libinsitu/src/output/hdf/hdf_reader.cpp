@@ -123,8 +123,8 @@ void HdfReader::read(const std::string& where, const HdfDataset& shape, std::int
       row *= shape.extents[a];
     if (row == 0 || first % row != 0 || count % row != 0 || first < 0 || count < 0 ||
         first > shape.numbers() - count)
-      refuse(where, "has no values " + std::to_string(first) + " to " +
-                        std::to_string(first + count));
+      refuse(where,
+             "has no values " + std::to_string(first) + " to " + std::to_string(first + count));
     std::vector<hsize_t> start(shape.extents.size(), 0),
         size(shape.extents.begin(), shape.extents.end());
     start[0] = hsize_t(first / row);

@@ -55,10 +55,10 @@ HdfWriter::HdfWriter(const std::string& path) {
     file_->fail("/");
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation.get(), false);
-  file_->file = Handle(file_->check(H5Fcreate(file_->place.part().c_str(), H5F_ACC_TRUNC,
-                                              creation.get(), access.get()),
-                                    "/"),
-                       H5Fclose);
+  file_->file = Handle(
+      file_->check(
+          H5Fcreate(file_->place.part().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), "/"),
+      H5Fclose);
 }
 
 HdfWriter::~HdfWriter() {
@@ -75,10 +75,10 @@ void HdfWriter::File::make_groups(const std::string& where) {
     const std::string group = where.substr(0, at);
     if (H5Lexists(file.get(), group.c_str(), H5P_DEFAULT) > 0)
       continue;
-    const Handle made(check(H5Gcreate2(file.get(), group.c_str(), H5P_DEFAULT, creation.get(),
-                                       H5P_DEFAULT),
-                            group),
-                      H5Gclose);
+    const Handle made(
+        check(H5Gcreate2(file.get(), group.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+              group),
+        H5Gclose);
   }
 }
 
@@ -94,19 +94,18 @@ void HdfWriter::make_dataset(const std::string& where, insitu_type type,
   file_->path = where;
   file_->type = type;
   file_->extents.assign(extents.begin(), extents.end());
-  const Handle space(file_->check(H5Screate_simple(int(extents.size()), file_->extents.data(),
-                                                   nullptr),
-                                  where),
-                     H5Sclose);
+  const Handle space(
+      file_->check(H5Screate_simple(int(extents.size()), file_->extents.data(), nullptr), where),
+      H5Sclose);
   file_->make_groups(where);
   const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(layout.get(), false);
   H5Pset_fill_time(layout.get(), H5D_FILL_TIME_NEVER);
-  file_->dataset = Handle(file_->check(H5Dcreate2(file_->file.get(), where.c_str(),
-                                                  hdf::type_of(type), space.get(), H5P_DEFAULT,
-                                                  layout.get(), H5P_DEFAULT),
-                                       where),
-                          H5Dclose);
+  file_->dataset =
+      Handle(file_->check(H5Dcreate2(file_->file.get(), where.c_str(), hdf::type_of(type),
+                                     space.get(), H5P_DEFAULT, layout.get(), H5P_DEFAULT),
+                          where),
+             H5Dclose);
 }
 
 /// Writes `count` numbers of the block at `start` along the axes before this one, from its `first`
@@ -165,10 +164,9 @@ void HdfWriter::write(const std::string& where, std::int64_t first,
 void HdfWriter::File::write_attribute(const std::string& where, const char* name, hid_t in_file,
                                       hid_t in_memory, const Handle& space, const void* data) {
   const Handle object(check(H5Oopen(file.get(), where.c_str(), H5P_DEFAULT), where), H5Oclose);
-  const Handle attribute(check(H5Acreate2(object.get(), name, in_file, space.get(), H5P_DEFAULT,
-                                          H5P_DEFAULT),
-                               where),
-                         H5Aclose);
+  const Handle attribute(
+      check(H5Acreate2(object.get(), name, in_file, space.get(), H5P_DEFAULT, H5P_DEFAULT), where),
+      H5Aclose);
   check(H5Awrite(attribute.get(), in_memory, data), where);
 }
 

@@ -18,7 +18,8 @@ namespace insitu::output {
 /// INSITU_ERROR_UNSUPPORTED. Several threads may write files of their own.
 class HdfWriter {
 public:
-  /// Throws core::Error (INSITU_ERROR_UNSUPPORTED) in a build without HDF5; `what` is what needs it.
+  /// Throws core::Error (INSITU_ERROR_UNSUPPORTED) in a build without HDF5; `what` is what needs
+  /// it.
   static void require_hdf5(const std::string& what);
 
   explicit HdfWriter(const std::string& path);

@@ -85,8 +85,9 @@ std::string xml_unescape(std::string_view text) {
 
 /// How an index is written: entries, a line each, between a head and a tail.
 struct FileSeries::Form {
-  std::string_view head, begin, middle, end, separator, tail; ///< of an entry: begin, time, middle,
-                                                              ///< file, end; separator before the next
+  std::string_view head, begin, middle, end, separator,
+      tail; ///< of an entry: begin, time, middle,
+            ///< file, end; separator before the next
   std::string (*escape)(std::string_view);
   std::string (*unescape)(std::string_view);
 

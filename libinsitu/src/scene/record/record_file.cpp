@@ -11,7 +11,7 @@ namespace insitu::scene {
 
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t(1) << 24; ///< of all processes, on their way
+constexpr std::size_t most_bytes = std::size_t(1) << 24;   ///< of all processes, on their way
 constexpr std::size_t fewest_bytes = std::size_t(1) << 16; ///< of one process
 
 std::span<const std::byte> bytes_of(const std::string& text) {
@@ -63,7 +63,7 @@ void RecordFile::for_each_dataset(
 std::vector<RecordFile::Dataset>
 RecordFile::agree_on_datasets(const std::vector<RecordStream>& streams) {
   const auto write_head = [](parallel::ByteWriter& to, const std::string& where,
-                             const std::int64_t (&numbers)[4]) {
+                             const std::int64_t(&numbers)[4]) {
     to.value(where.size());
     to.array(std::span<const char>(where));
     to.array(std::span<const std::int64_t>(numbers));
@@ -96,8 +96,13 @@ RecordFile::agree_on_datasets(const std::vector<RecordStream>& streams) {
       read_heads(heads[rank], [&](const std::string& where, const std::vector<std::int64_t>& n) {
         const auto [at, is_new] = known.emplace(where, datasets.size());
         if (is_new)
-          datasets.push_back({where, n[1], 0, insitu_type(n[2]), int(n[3]),
-                              std::vector<std::int64_t>(heads.size(), 0), {}});
+          datasets.push_back({where,
+                              n[1],
+                              0,
+                              insitu_type(n[2]),
+                              int(n[3]),
+                              std::vector<std::int64_t>(heads.size(), 0),
+                              {}});
         Dataset& to = datasets[at->second];
         to.items[rank] = n[0];
         to.most_items = std::max(to.most_items, n[0]);
@@ -123,9 +128,8 @@ void RecordFile::write(const std::vector<RecordStream>& streams,
   std::vector<Dataset> datasets = agree_on_datasets(streams);
   std::vector<std::int64_t> sums;
   for (Dataset& dataset : datasets) {
-    const auto mine =
-        std::find_if(streams.begin(), streams.end(),
-                     [&](const RecordStream& s) { return s.where == dataset.where; });
+    const auto mine = std::find_if(streams.begin(), streams.end(),
+                                   [&](const RecordStream& s) { return s.where == dataset.where; });
     world_.agree_after([&] {
       if (!file_)
         return;

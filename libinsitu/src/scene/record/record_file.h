@@ -38,8 +38,7 @@ private:
   struct Dataset;
   std::vector<Dataset> agree_on_datasets(const std::vector<RecordStream>& streams);
   std::uint64_t write(const Dataset& dataset, const RecordStream* mine);
-  void write_checksums(const std::vector<Dataset>& datasets,
-                       const std::vector<std::int64_t>& mine);
+  void write_checksums(const std::vector<Dataset>& datasets, const std::vector<std::int64_t>& mine);
 
   parallel::World& world_;
   std::optional<output::HdfWriter> file_;

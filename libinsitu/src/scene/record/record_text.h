@@ -14,7 +14,7 @@ constexpr int record_version = 1;
 
 /// What a process gave for a mesh.
 struct RecordedPart {
-  std::string text;                 ///< its pieces, with the arrays that they take of the datasets
+  std::string text; ///< its pieces, with the arrays that they take of the datasets
   std::vector<RecordStream> streams;
 };
 

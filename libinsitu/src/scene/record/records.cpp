@@ -65,9 +65,8 @@ void Records::write(const std::string& path, const RecordedStep& step, MeshList 
     if (!made.empty())
       file.write(made);
     const std::vector<std::string> parts = file.gather(part.text);
-    world_.agree_after([&] {
-      texts.push_back(file.at_root() ? mesh_text(*mesh, parts) : std::string());
-    });
+    world_.agree_after(
+        [&] { texts.push_back(file.at_root() ? mesh_text(*mesh, parts) : std::string()); });
   }
   world_.agree_after([&] {
     if (!file.at_root())

@@ -83,9 +83,8 @@ struct VtkShown::Piece {
     if (count == 0 || count != ids_of_type(type))
       return 0;
     for (int i = 0; i < count; ++i) {
-      const std::int64_t id = cells.layout == INSITU_LAYOUT_MIXED
-                                  ? load_id(connectivity, first + i)
-                                  : load_id(connectivity, c, i);
+      const std::int64_t id = cells.layout == INSITU_LAYOUT_MIXED ? load_id(connectivity, first + i)
+                                                                  : load_id(connectivity, c, i);
       to[std::size_t(i)] = mesh::from_base(id, cells.index_base);
       if (to[std::size_t(i)] < 0 || to[std::size_t(i)] >= vertices)
         return 0;
@@ -199,8 +198,8 @@ namespace {
 
 template <class Number>
 RecordRun numbers_run(std::int64_t items, std::function<Number(std::int64_t)> at) {
-  return {items, nullptr, [at = std::move(at)](std::int64_t begin, std::int64_t end,
-                                               std::byte* to) {
+  return {items, nullptr,
+          [at = std::move(at)](std::int64_t begin, std::int64_t end, std::byte* to) {
             for (std::int64_t i = begin; i < end; ++i, to += sizeof(Number)) {
               const Number number = at(i);
               std::memcpy(to, &number, sizeof number);
@@ -231,15 +230,15 @@ RecordRun offsets_run(const PiecePointer& piece) {
 }
 
 RecordRun ids_run(const PiecePointer& piece) {
-  return numbers_run<std::int64_t>(piece->ids, [piece, cell = std::int64_t(-1), at = 0, count = 0,
-                                                ids = std::array<std::int64_t, 8>()](
-                                                   std::int64_t) mutable {
-    while (at == count) { // those of the next cell that has any
-      count = ids_of_type(piece->cell(++cell, ids));
-      at = 0;
-    }
-    return ids[std::size_t(at++)];
-  });
+  return numbers_run<std::int64_t>(piece->ids,
+                                   [piece, cell = std::int64_t(-1), at = 0, count = 0,
+                                    ids = std::array<std::int64_t, 8>()](std::int64_t) mutable {
+                                     while (at == count) { // those of the next cell that has any
+                                       count = ids_of_type(piece->cell(++cell, ids));
+                                       at = 0;
+                                     }
+                                     return ids[std::size_t(at++)];
+                                   });
 }
 
 RecordRun points_run(const PiecePointer& piece) {
@@ -249,7 +248,8 @@ RecordRun points_run(const PiecePointer& piece) {
             for (std::int64_t i = begin; i < end; ++i)
               for (int c = 0; c < 3; ++c, to += sizeof(double)) {
                 const bool one = piece->points.size() == 1;
-                const ExternalArray& array = piece->points[one || c >= components ? 0 : std::size_t(c)];
+                const ExternalArray& array =
+                    piece->points[one || c >= components ? 0 : std::size_t(c)];
                 const double x = c < components ? mesh::load_real(array.at(i, one ? c : 0),
                                                                   array.type == INSITU_FLOAT32)
                                                 : 0.0;

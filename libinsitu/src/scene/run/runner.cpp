@@ -308,10 +308,9 @@ std::string Runner::meet_end() {
 }
 
 void Runner::write_record(const std::string& path, MeshList meshes) {
-  records_.write(path,
-                 {cycle_, times_.empty() ? 0.0 : times_.front(), environment_.scene_file,
-                  scene_text_},
-                 meshes, descends_);
+  records_.write(
+      path, {cycle_, times_.empty() ? 0.0 : times_.front(), environment_.scene_file, scene_text_},
+      meshes, descends_);
 }
 
 std::string Runner::finish() {

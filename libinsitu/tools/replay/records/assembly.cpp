@@ -56,7 +56,8 @@ int read_cell(const RecordedPiece& piece, const PieceArrays& arrays, std::int64_
               std::array<std::int64_t, 8>& ids) {
   if (piece.kind == RecordedPiece::Kind::block) {
     const std::int64_t m = piece.block.vertices[0], n = piece.block.vertices[1];
-    const std::int64_t i = cell % (m - 1), j = cell / (m - 1) % (n - 1), k = cell / (m - 1) / (n - 1);
+    const std::int64_t i = cell % (m - 1), j = cell / (m - 1) % (n - 1),
+                       k = cell / (m - 1) / (n - 1);
     const std::int64_t v = i + m * (j + n * k), up = v + m * n;
     ids = {v, v + 1, v + 1 + m, v + m, up, up + 1, up + 1 + m, up + m};
     return INSITU_HEXAHEDRON;
@@ -175,8 +176,8 @@ insitu_cells Assembly::cells() const {
   insitu_cells cells = insitu_cells_default();
   cells.layout = INSITU_LAYOUT_MIXED;
   cells.count = std::int64_t(types_.size());
-  cells.connectivity = insitu_array_of(connectivity_.data(), INSITU_INT64,
-                                       std::int64_t(connectivity_.size()), 1);
+  cells.connectivity =
+      insitu_array_of(connectivity_.data(), INSITU_INT64, std::int64_t(connectivity_.size()), 1);
   cells.types = insitu_array_of(types_.data(), INSITU_UINT8, cells.count, 1);
   cells.offsets = insitu_array_of(offsets_.data(), INSITU_INT64, cells.count, 1);
   return cells;
@@ -195,7 +196,8 @@ void Assembly::gather(insitu_association association, const std::vector<const in
   for (const Place& place : from_[association]) {
     const insitu_array* const array = from[std::size_t(place.piece)];
     if (array && place.item < array->count)
-      std::memcpy(to, static_cast<const std::byte*>(array->data) + std::size_t(place.item) * item_bytes,
+      std::memcpy(to,
+                  static_cast<const std::byte*>(array->data) + std::size_t(place.item) * item_bytes,
                   item_bytes);
     else
       std::memset(to, 0, item_bytes);
@@ -223,8 +225,9 @@ std::vector<double> Assembly::points(const RecordedMesh& mesh,
       const std::int64_t n = std::max<std::int64_t>(block.vertices[a], 1), i = rest % n;
       rest /= n;
       const insitu_array* const axis = find(arrays[p], axes[a]);
-      out.push_back(axis && i < axis->count ? load_real(*axis, i)
-                                            : block.origin[a] + double(block.first[a] + i) * block.spacing[a]);
+      out.push_back(axis && i < axis->count
+                        ? load_real(*axis, i)
+                        : block.origin[a] + double(block.first[a] + i) * block.spacing[a]);
     }
   }
   return out;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "output/files/checksum.h"
 #include "file_error.h"
+#include "output/files/checksum.h"
 
 namespace insitu_replay {
 
@@ -36,7 +36,8 @@ public:
     return insitu_array_of(memory.get(), dataset.type, array.count, array.components);
   }
 
-  /// Throws FileError for datasets that are not as they were written, of those that were read whole.
+  /// Throws FileError for datasets that are not as they were written, of those that were read
+  /// whole.
   void check_sums() const {
     for (const auto& [where, dataset] : datasets_) {
       std::int64_t read = 0;
@@ -48,8 +49,8 @@ public:
       for (const auto& [of, sum] : sums_)
         if (of.first == where && (std::size_t(of.second) >= expected.size() ||
                                   expected[std::size_t(of.second)] != std::int64_t(sum.sum.sum())))
-          source_.refuse(where, "is damaged: its checksum of process " +
-                                    std::to_string(of.second) + " is another one");
+          source_.refuse(where, "is damaged: its checksum of process " + std::to_string(of.second) +
+                                    " is another one");
     }
   }
 
@@ -174,8 +175,7 @@ class RecordedMeshes::Giver {
 public:
   Giver(const RecordSource& source, const RecordedMesh& mesh, Known& to)
       : reader_(source), mesh_(mesh), to_(to), handle_(to.mesh.handle()),
-        other_cells_(!to.given || mesh.topology != to.topology ||
-                     mesh.pieces.size() != to.pieces),
+        other_cells_(!to.given || mesh.topology != to.topology || mesh.pieces.size() != to.pieces),
         other_points_(other_cells_ || mesh.geometry != to.geometry) {}
 
   void give() {
@@ -258,8 +258,8 @@ private:
       const auto* const bytes = reinterpret_cast<const std::byte*>(all.data());
       const auto& kept = points_.emplace_back(new std::byte[8 * all.size()]);
       std::copy(bytes, bytes + 8 * all.size(), kept.get());
-      const insitu_array array = insitu_array_of(kept.get(), INSITU_FLOAT64,
-                                                 to_.assembly->count(INSITU_VERTEX), 3);
+      const insitu_array array =
+          insitu_array_of(kept.get(), INSITU_FLOAT64, to_.assembly->count(INSITU_VERTEX), 3);
       check(insitu_mesh_points(handle_, 0, &array, 1));
       return;
     }
@@ -276,9 +276,10 @@ private:
     const std::size_t item = std::size_t(first->components) * std::size_t(bytes_of(first->type));
     for (const insitu_array* const array : from)
       if (array && (array->type != first->type || array->components != first->components))
-        throw insitu::Error(INSITU_ERROR_UNSUPPORTED,
-                            "processes have an array of different types, and cells whose global ids "
-                            "do not ascend from process to process");
+        throw insitu::Error(
+            INSITU_ERROR_UNSUPPORTED,
+            "processes have an array of different types, and cells whose global ids "
+            "do not ascend from process to process");
     const std::int64_t count = to_.assembly->count(on);
     const auto& kept = values_.emplace_back(new std::byte[item * std::size_t(count)]);
     to_.assembly->gather(on, from, item, kept.get());
@@ -291,7 +292,8 @@ private:
     if (mesh_.is_adaptive)
       return;
     if (to_.assembly) {
-      const insitu_array all = read.empty() ? insitu_array_default() : assembled(INSITU_VERTEX, hidden);
+      const insitu_array all =
+          read.empty() ? insitu_array_default() : assembled(INSITU_VERTEX, hidden);
       check(insitu_mesh_hidden_points(handle_, 0, read.empty() ? nullptr : &all));
       return;
     }

@@ -34,9 +34,9 @@ private:
     bool given = false;
     std::int64_t topology = 0, geometry = 0;
     std::size_t pieces = 0;
-    std::vector<PieceArrays> of_cells; ///< in `cells`
-    std::optional<Assembly> assembly;  ///< in the place of the pieces
-    std::vector<Bytes> cells, points, values; ///< arrays that the session reads
+    std::vector<PieceArrays> of_cells;                 ///< in `cells`
+    std::optional<Assembly> assembly;                  ///< in the place of the pieces
+    std::vector<Bytes> cells, points, values;          ///< arrays that the session reads
     std::map<std::string, std::vector<double>> blanks; ///< of the fields given
   };
   class Giver;

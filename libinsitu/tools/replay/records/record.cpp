@@ -6,8 +6,8 @@
 #include <set>
 
 #include "core/status.h"
-#include "output/files/checksum.h"
 #include "file_error.h"
+#include "output/files/checksum.h"
 
 namespace insitu_replay {
 
@@ -63,8 +63,7 @@ std::string read_text(const RecordSource& source, const std::string& where) {
   if (dataset.type != INSITU_UINT8)
     source.refuse(where, "is no text");
   std::string text(std::size_t(dataset.numbers()), '\0');
-  source.read(where, dataset, 0, dataset.numbers(),
-              reinterpret_cast<std::byte*>(text.data()));
+  source.read(where, dataset, 0, dataset.numbers(), reinterpret_cast<std::byte*>(text.data()));
   insitu::output::Checksum sum;
   sum.add(text);
   if (source.checksums(where) != std::vector<std::int64_t>{std::int64_t(sum.sum())})
@@ -115,7 +114,9 @@ private:
 
   /// Within what the API's counts allow, so that sums and products stay in 64 bits.
   std::int64_t integer(const Json& json) const {
-    if (!json.is_number_integer() || (json.is_number_unsigned() && json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max())))
+    if (!json.is_number_integer() ||
+        (json.is_number_unsigned() &&
+         json.get<std::uint64_t>() > std::uint64_t(std::numeric_limits<std::int64_t>::max())))
       refuse("holds " + json.dump() + " where an integer is expected");
     return json.get<std::int64_t>();
   }
@@ -184,8 +185,7 @@ private:
     out.levels.level_count = small(json, "level_count");
     for (const Json& ratio : list(json, "ratios"))
       out.ratios.push_back(std::int32_t(integer(ratio)));
-    if (out.levels.level_count < 1 ||
-        out.ratios.size() != std::size_t(out.levels.level_count) - 1)
+    if (out.levels.level_count < 1 || out.ratios.size() != std::size_t(out.levels.level_count) - 1)
       refuse(std::to_string(out.ratios.size()) + " ratios of " +
              std::to_string(out.levels.level_count) + " levels");
     out.levels.finest_first = json.at("finest_first").get<bool>();
@@ -311,8 +311,8 @@ private:
     // Items of the dataset are numbers here: ids of cells of several shapes lie in one.
     taken.most = numbers;
     if (out.count * components > numbers - taken.items)
-      source_.refuse(out.dataset, "has " + std::to_string(numbers) +
-                                      " numbers, fewer than the pieces take");
+      source_.refuse(out.dataset,
+                     "has " + std::to_string(numbers) + " numbers, fewer than the pieces take");
     out.first = taken.items;
     taken.items += out.count * components;
     return out;

@@ -34,8 +34,8 @@ bool is_record(const std::string& path);
 /// Throws FileError for what is no record.
 std::unique_ptr<RecordSource> open_record(const std::string& path);
 
-/// An array of a record, which process `process` gave: `count` items, whose numbers follow each other
-/// from the `first` number of the dataset on.
+/// An array of a record, which process `process` gave: `count` items, whose numbers follow each
+/// other from the `first` number of the dataset on.
 struct RecordedArray {
   std::string dataset; ///< path in the file; empty: not given
   int process = 0;

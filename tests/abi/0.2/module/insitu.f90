@@ -139,6 +139,7 @@ module insitu
     procedure :: plan => session_plan
     procedure :: checkpoint => session_checkpoint
     procedure :: restart => session_restart
+    procedure :: record => session_record
     procedure :: write_summary
     procedure :: message
   end type insitu_session

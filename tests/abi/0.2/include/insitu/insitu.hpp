@@ -147,6 +147,11 @@ public:
     detail::check(insitu_session_restart(session_, path.c_str()));
   }
 
+  /** Writes what the last execute committed to a VTKHDF file; see insitu_session_record(). */
+  void record(const std::string& path) {
+    detail::check(insitu_session_record(session_, path.c_str()));
+  }
+
   /** Returns totals since the session was opened. */
   Report report() const {
     Report r = insitu_report_default();
