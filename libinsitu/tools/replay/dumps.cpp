@@ -11,6 +11,7 @@
 #include "catalyst/run.h"
 #include "options.h"
 #include "read.h"
+#include "runs_of_others.h"
 
 namespace insitu_replay {
 
@@ -196,7 +197,7 @@ std::unique_ptr<Dump> read_dump(const std::string& path) {
 
 bool are_dumps(const std::vector<std::string>& files) {
   return std::any_of(files.begin(), files.end(), [](const std::string& file) {
-    return name_of(file) || std::filesystem::is_directory(file);
+    return name_of(file) || (std::filesystem::is_directory(file) && !is_openfoam_case(file));
   });
 }
 
@@ -237,7 +238,7 @@ DumpedRun find_dumps(const std::vector<std::string>& files) {
 }
 
 bool replay_dumps(const ReplayOptions& options) {
-  if (options.plan || options.validate || options.reverse || options.preview ||
+  if (options.plan || options.validate || options.check || options.reverse || options.preview ||
       options.separate_pieces || !options.probe.empty() || !options.blanks.empty() ||
       !options.summary.empty())
     throw UsageError("dumps of Catalyst's calls are replayed with --scene, --out, --threads and "

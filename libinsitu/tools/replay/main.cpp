@@ -17,6 +17,7 @@
 #include "insitu/vtk.hpp"
 
 #include "catalyst/run.h"
+#include "check.h"
 #include "dumps.h"
 #include "options.h"
 #include "parts.h"
@@ -101,6 +102,8 @@ public:
           std::cout << session_.plan();
           break;
         }
+        if (options_.check)
+          return check();
         if (!session_.execute(cycle_, time_))
           code = skipped; // the log has said what and why
       } catch (const insitu::Error& e) {
@@ -195,11 +198,12 @@ private:
     const std::string& first = step.files.front();
     std::vector<Part> parts;
     for (const std::string& file : step.files)
-      for (Part& part : read_parts(file))
+      for (Part& part : read_parts(file, step))
         parts.push_back(std::move(part));
     if (!parts.empty()) {
       drop_surfaces(parts, [this](const std::string& what) { say_once(what); });
-      cycle_ = unused_cycle(first, cycle_of(parts[0].data), std::int64_t(s));
+      // Steps of one file are told apart by their places, whatever its field data says.
+      cycle_ = unused_cycle(first, step.is_of_run ? std::nullopt : cycle_of(parts[0].data), s);
       time_ = step.time ? *step.time : time_of(parts[0].data).value_or(double(cycle_));
     }
     give(parts, first);
@@ -310,13 +314,41 @@ private:
       say("note: " + what);
   }
 
+  /// The meshes of the step that was read last.
+  std::vector<std::pair<std::string, insitu::Mesh>> meshes() const {
+    return first_ ? records_.meshes()
+                  : std::vector<std::pair<std::string, insitu::Mesh>>{{options_.mesh, mesh_}};
+  }
+
+  /// Says what a run would do; writes nothing.
+  ExitCode check() {
+    for (const auto& [name, mesh] : meshes())
+      std::cout << describe(name, mesh);
+    std::cout << plural(std::int64_t(steps_.size()), "step") << "\n";
+    const std::string plan = session_.plan();
+    if (const std::string outputs = outputs_of(scene_text(), options_.out); !outputs.empty())
+      std::cout << "would write\n" << outputs;
+    std::cout << memory_of(plan) << "\n";
+    const std::vector<std::string> problems = problems_of(plan);
+    for (const std::string& problem : problems)
+      say(problem);
+    return problems.empty() ? done : skipped;
+  }
+
+  std::string scene_text() const {
+    if (!options_.probe.empty())
+      return probe_scene(options_.probe);
+    if (options_.scene.empty())
+      return first_ ? first_->scene_text : std::string();
+    std::ifstream in(options_.scene, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+
   bool validate(std::size_t s) {
     progress_.clear();
     bool well = true;
-    if (!first_)
-      return validate(mesh_, steps_[s].files.front());
-    for (std::size_t m = 0; m < records_.meshes().size(); ++m)
-      well = validate(records_.meshes()[m], steps_[s].files.front()) && well;
+    for (const auto& [name, mesh] : meshes())
+      well = validate(mesh, steps_[s].files.front()) && well;
     return well;
   }
 

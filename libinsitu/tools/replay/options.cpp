@@ -21,11 +21,13 @@ FILE is a file that VTK reads, its suffix in small or capital letters:
   .pvd or .series (ParaView's JSON): an index of any of these, in the order of time; the parts of a
   step in a .pvd are the pieces of the mesh
   .hdf: a record of a run (insitu_session_record, or 'record:' in its scene), with its meshes, and
-  its scene unless another is given
+  its scene unless another is given; or VTKHDF of other programs
+  a folder of OpenFOAM (or a .foam file in it), .exo, .e, .ex2, .g (Exodus), .cgns, .nc (CF
+  conventions): all steps of a run, as far as VTK here has their readers
 Or it is a folder of dumps of Catalyst's calls (CATALYST_DATA_DUMP_DIRECTORY), or such dumps with
 their schemas beside them: the run is then done again, with one process in the place of all, with
 the run's own scene or another (--scene, --out, --threads, --strict).
-Each is one step, in the order given. Triangles, lines and the like beside cells of volume are left
+Each is one step, in the order given, if it does not hold several. Triangles, lines and the like beside cells of volume are left
 out, as are blocks of them; parts without cells add nothing; of several parts, arrays that one of
 them lacks are left out. Each of these is said once.
 
@@ -48,6 +50,10 @@ them lacks are left out. Each of these is said once.
   --strict         refuse arrays that would have to be converted, such as integer fields
   --plan           print what the scene needs for the first step, what it does without and why,
                    with bytes; run nothing
+  --check          a dry run, of the first step: print the meshes with their fields, what the scene
+                   would write and when, memory, and every item that could not be done, with the
+                   nearest name for one that is not there; write nothing. Exit code 3 if there is
+                   such an item, 1 if the scene has keys that are none
   --preview        draw every frame of the scene, whatever its trigger, of the last step alone, and
                    nothing else, for a look: images keep their aspect and fit into 160 x 120 pixels
                    (1024 x 1024 becomes 120 x 120), with one sample a pixel, or at most 16 paths of
@@ -116,7 +122,8 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       {"--help", &ReplayOptions::help},       {"-h", &ReplayOptions::help},
       {"--version", &ReplayOptions::version}, {"--strict", &ReplayOptions::strict},
       {"--plan", &ReplayOptions::plan},       {"--validate", &ReplayOptions::validate},
-      {"--reverse", &ReplayOptions::reverse}, {"--preview", &ReplayOptions::preview}};
+      {"--check", &ReplayOptions::check},     {"--reverse", &ReplayOptions::reverse},
+      {"--preview", &ReplayOptions::preview}};
   static const std::map<std::string, std::string ReplayOptions::*> texts = {
       {"--scene", &ReplayOptions::scene},
       {"--probe", &ReplayOptions::probe},
@@ -179,11 +186,12 @@ ReplayOptions parse_arguments(int argc, char** argv) {
     return o;
   if (o.files.empty())
     throw UsageError("no mesh files given");
-  if (o.plan && o.validate)
-    throw UsageError("--plan and --validate: give one of both");
+  if (o.plan + o.validate + o.check > 1)
+    throw UsageError("--plan, --validate and --check: give one of them");
   if (o.preview)
     for (const auto& [other, key] : {std::pair{o.plan, "--plan"},
                                      {o.validate, "--validate"},
+                                     {o.check, "--check"},
                                      {o.reverse, "--reverse"},
                                      {!o.probe.empty(), "--probe"}})
       if (other)

@@ -14,7 +14,7 @@ struct UsageError : std::runtime_error {
 };
 
 struct ReplayOptions {
-  bool help = false, version = false, strict = false, plan = false, validate = false,
+  bool help = false, version = false, strict = false, plan = false, check = false, validate = false,
        separate_pieces = false, has_frame = false, reverse = false, preview = false;
   std::string scene, probe, out, summary;
   std::string mesh = "mesh";

@@ -21,6 +21,7 @@
 #include <vtkUnstructuredGrid.h>
 
 #include "read.h"
+#include "runs_of_others.h"
 
 namespace insitu_replay {
 
@@ -64,8 +65,9 @@ bool has_cells(const Part& part) {
 
 } // namespace
 
-std::vector<Part> read_parts(const std::string& path) {
-  const vtkSmartPointer<vtkDataObject> data = read(path);
+std::vector<Part> read_parts(const std::string& path, const Step& step) {
+  const vtkSmartPointer<vtkDataObject> data =
+      step.is_of_run ? read_run(path, step.time) : read(path);
   auto* const tree = vtkDataObjectTree::SafeDownCast(data);
   if (!tree)
     return {{path, data}};

@@ -5,6 +5,8 @@
 #include <vector>
 #include <vtkSmartPointer.h>
 
+#include "steps.h"
+
 class vtkDataObject;
 
 namespace insitu_replay {
@@ -18,8 +20,8 @@ struct Part {
 using Say = std::function<void(const std::string&)>;
 
 /// Reads the parts of a file: the blocks of a multi-block data set, the data object of any other.
-/// Throws FileError.
-std::vector<Part> read_parts(const std::string& path);
+/// Throws FileError. step: whose file it is.
+std::vector<Part> read_parts(const std::string& path, const Step& step);
 
 /// Leaves out parts that have no cell of volume (boundaries, as solvers write them beside the
 /// inside), if others have; says so with counts.

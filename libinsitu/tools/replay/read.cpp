@@ -20,6 +20,10 @@
 #include <vtkXMLGenericDataObjectReader.h>
 #include <vtkXMLUniformGridAMRReader.h>
 
+#ifdef REPLAY_HDF
+#include <vtkHDFReader.h>
+#endif
+
 #include "hyper_trees.h"
 
 namespace insitu_replay {
@@ -56,6 +60,9 @@ vtkStandardNewMacro(QuietWindow)
     QuietWindow* window = nullptr;
 
 void read_all_of(vtkXMLReader*) {}
+#ifdef REPLAY_HDF
+void read_all_of(vtkHDFReader*) {}
+#endif
 void read_all_of(vtkXMLGenericDataObjectReader*) {}
 /// The first array of each kind alone otherwise.
 void read_all_of(vtkDataReader* reader) {
@@ -132,12 +139,24 @@ bool is_readable_kind(const std::string& path) {
   return std::find(std::begin(endings), std::end(endings), ending_of(path)) != std::end(endings);
 }
 
+namespace {
+
+#ifdef REPLAY_HDF
+using HdfFileReader = vtkHDFReader;
+#else
+/// Reads nothing, and fails.
+using HdfFileReader = vtkXMLGenericDataObjectReader;
+#endif
+
+} // namespace
+
 vtkSmartPointer<vtkDataObject> read(const std::string& path) {
   require_readable(path);
   forget_messages();
   const std::string ending = ending_of(path);
   const vtkSmartPointer<vtkDataObject> data =
       ending == ".htg"                        ? read_by<HyperTreeReader>(path)
+      : ending == ".hdf"                      ? read_by<HdfFileReader>(path)
       : ending == ".vthb" || ending == ".vth" ? read_by<vtkXMLUniformGridAMRReader>(path)
       : ending == ".vtk"                      ? read_by<vtkGenericDataObjectReader>(path)
                                               : read_by<vtkXMLGenericDataObjectReader>(path);
@@ -146,7 +165,9 @@ vtkSmartPointer<vtkDataObject> read(const std::string& path) {
       !(vtkDataSet::SafeDownCast(data) || vtkDataObjectTree::SafeDownCast(data) ||
         vtkOverlappingAMR::SafeDownCast(data) || vtkHyperTreeGrid::SafeDownCast(data)))
     throw FileError(path, std::string("cannot be read as a ") +
-                              (ending == ".vtk" ? "legacy VTK file" : "VTK XML data set") +
+                              (ending == ".vtk"   ? "legacy VTK file"
+                               : ending == ".hdf" ? "record or VTKHDF file"
+                                                  : "VTK XML data set") +
                               (message.empty() ? std::string() : ": " + message));
   return data;
 }

@@ -21,9 +21,9 @@ extern const char* const readable_kinds;
 /// Throws FileError for what is no file that can be opened.
 void require_readable(const std::string& path);
 
-/// Reads one data object: data sets (.vtu, .vts, .vtr, .vti, their parallel forms .pvtu and so on,
-/// legacy .vtk), multi-block data sets (.vtm), a vtkOverlappingAMR with all of its grids (.vthb,
-/// .vth), a vtkHyperTreeGrid (.htg). Throws FileError.
+/// Reads one data object: VTKHDF (.hdf), data sets (.vtu, .vts, .vtr, .vti, their parallel forms
+/// .pvtu and so on, legacy .vtk), multi-block data sets (.vtm), a vtkOverlappingAMR with all of its
+/// grids (.vthb, .vth), a vtkHyperTreeGrid (.htg). Throws FileError.
 vtkSmartPointer<vtkDataObject> read(const std::string& path);
 
 /// What the field data says.

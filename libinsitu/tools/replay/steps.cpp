@@ -13,6 +13,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "read.h"
+#include "runs_of_others.h"
 
 namespace insitu_replay {
 
@@ -90,15 +91,26 @@ std::vector<Step> read_series(const std::string& path) {
       const double time = file["time"] ? file["time"].as<double>() : double(steps.size());
       if (!std::isfinite(time))
         throw FileError(path, entry + ": time is not finite");
-      steps.push_back({{full.string()}, time});
+      steps.push_back({{full.string()}, time, false});
     }
   } catch (const YAML::Exception& e) {
     throw FileError(path, std::string("is no .series index: ") + e.what());
   }
   if (steps.empty())
     throw FileError(path, "names no file");
-  std::stable_sort(steps.begin(), steps.end(),
-                   [](const Step& a, const Step& b) { return *a.time < *b.time; });
+  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
+    return *a.time != *b.time ? *a.time < *b.time : a.files < b.files;
+  });
+  return steps;
+}
+
+/// All steps of a run in one file, or the one of a file that knows no time.
+std::vector<Step> steps_of_run(const std::string& path) {
+  std::vector<Step> steps;
+  for (const double time : times_of_run(path))
+    steps.push_back({{path}, time, true});
+  if (steps.empty())
+    steps.push_back({{path}, {}, true});
   return steps;
 }
 
@@ -125,11 +137,15 @@ std::vector<Step> steps_of(const std::vector<std::string>& files) {
     if (ending == ".pvd" || ending == ".series") {
       for (Step& s : ending == ".pvd" ? read_pvd(file) : read_series(file))
         steps.push_back(std::move(s));
+    } else if (holds_a_run(file)) {
+      for (Step& s : steps_of_run(file))
+        steps.push_back(std::move(s));
     } else if (is_readable_kind(file)) {
       require_readable(file);
-      steps.push_back({{file}, {}});
+      steps.push_back({{file}, {}, false});
     } else {
-      throw FileError(file, std::string("unknown kind of file; ") + readable_kinds + " expected");
+      throw FileError(file, std::string("unknown kind of file; ") + readable_kinds + ", " +
+                                run_kinds + " expected");
     }
   }
   return steps;

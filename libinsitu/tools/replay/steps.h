@@ -9,7 +9,8 @@ namespace insitu_replay {
 /// One step: a file, or the parts of one.
 struct Step {
   std::vector<std::string> files;
-  std::optional<double> time; ///< from an index
+  std::optional<double> time; ///< from an index, or of a run in one file
+  bool is_of_run = false;     ///< the file holds other steps too (runs_of_others.h)
 };
 
 /// The steps of the files given, indices (.pvd, .series) opened. Throws FileError.

@@ -1,4 +1,5 @@
 // The files of records: adaptive meshes, what VTK's reader shows of them, and what damage says.
+#include <hdf5.h>
 #include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkHDFReader.h>
@@ -237,6 +238,25 @@ TEST_F(RecordFiles, VtksReaderShowsAUniformBlock) {
   expect_values(image->GetPointData()->GetArray("p"), lattice.field(0.5));
   expect_values(image->GetPointData()->GetArray("u"), lattice.velocity(0.5));
   EXPECT_EQ(image->GetCellData()->GetNumberOfArrays(), 0); // which this reader reads wrongly
+}
+
+/// Without what is this library's in it, a record is a VTKHDF file like any other.
+TEST_F(RecordFiles, VtkhdfOfOtherProgramsIsRead) {
+  const std::string file =
+      record([](auto session, Arrays& arrays) { give_cubes(session, arrays, true); });
+  ASSERT_EQ(run("--probe points.csv --out record step_7.hdf").code, 0);
+  const hid_t hdf = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(hdf, "/insitu", H5P_DEFAULT), 0);
+  H5Fclose(hdf);
+  const Outcome o = run("--probe points.csv --out vtkhdf step_7.hdf");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const std::vector<Row> expected = rows("record/probe.csv"), found = rows("vtkhdf/probe.csv");
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const char* column : {"cycle", "time", "p", "u_y", "c"})
+      EXPECT_TRUE(found[i].at(column) == expected[i].at(column) ||
+                  (std::isnan(found[i].at(column)) && std::isnan(expected[i].at(column))))
+          << i << column;
 }
 
 /// A file that is cut short anywhere, or of which any byte is another one, is refused with its name

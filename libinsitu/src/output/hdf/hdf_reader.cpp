@@ -70,10 +70,14 @@ void HdfReader::refuse(const std::string& where, const std::string& message) con
 
 bool HdfReader::has(const std::string& where) const {
   const Call call;
-  for (std::size_t at = where.find('/', 1); at != std::string::npos; at = where.find('/', at + 1))
-    if (H5Lexists(file_->file.get(), where.substr(0, at).c_str(), H5P_DEFAULT) <= 0)
-      return false;
-  return H5Lexists(file_->file.get(), where.c_str(), H5P_DEFAULT) > 0;
+  for (std::size_t at = where.find('/', 1);; at = where.find('/', at + 1)) {
+    const std::string path = where.substr(0, at);
+    const htri_t exists = H5Lexists(file_->file.get(), path.c_str(), H5P_DEFAULT);
+    if (exists < 0) // the tables of the group are damaged
+      refuse(path, hdf::reason());
+    if (exists == 0 || at == std::string::npos)
+      return exists > 0;
+  }
 }
 
 HdfDataset HdfReader::dataset(const std::string& where) const {

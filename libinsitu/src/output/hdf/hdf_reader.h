@@ -29,7 +29,7 @@ public:
   HdfReader(const HdfReader&) = delete;
   HdfReader& operator=(const HdfReader&) = delete;
 
-  /// Whether there is a group or dataset of this path.
+  /// Whether there is a group or dataset of this path. Throws where the file does not tell.
   bool has(const std::string& where) const;
   /// Throws for what is no dataset of such numbers, or of more than the file can hold.
   HdfDataset dataset(const std::string& where) const;

@@ -23,7 +23,7 @@ Record RecordedMeshes::give(insitu::Session&, const std::string& path) {
   return {};
 }
 
-std::vector<insitu::Mesh> RecordedMeshes::meshes() const {
+std::vector<std::pair<std::string, insitu::Mesh>> RecordedMeshes::meshes() const {
   return {};
 }
 

@@ -364,10 +364,10 @@ private:
   Keep cells_, points_, values_; ///< arrays that the session reads from now on
 };
 
-std::vector<insitu::Mesh> RecordedMeshes::meshes() const {
-  std::vector<insitu::Mesh> out;
+std::vector<std::pair<std::string, insitu::Mesh>> RecordedMeshes::meshes() const {
+  std::vector<std::pair<std::string, insitu::Mesh>> out;
   for (const std::string& name : order_)
-    out.push_back(known_.at(name).mesh);
+    out.emplace_back(name, known_.at(name).mesh);
   return out;
 }
 

@@ -24,8 +24,8 @@ public:
   /// Of a record that was read.
   void give(insitu::Session& session, const RecordSource& source, const Record& record);
 
-  /// The meshes given so far.
-  std::vector<insitu::Mesh> meshes() const;
+  /// The meshes given so far, with their names.
+  std::vector<std::pair<std::string, insitu::Mesh>> meshes() const;
 
 private:
   using Bytes = std::unique_ptr<std::byte[]>;

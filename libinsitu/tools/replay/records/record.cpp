@@ -1,6 +1,8 @@
 #include "records/record.h"
 
+#include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -328,10 +330,15 @@ private:
 } // namespace
 
 bool is_record(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending)
+    c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".hdf")
+    return false;
   try {
     return HdfReader(path).has(description_path);
-  } catch (const insitu::core::Error&) {
-    return false;
+  } catch (const insitu::core::Error& e) {
+    rethrow(path, e);
   }
 }
 

@@ -29,7 +29,8 @@ public:
   }
 };
 
-/// Whether a file is a record: HDF5 with the group that insitu_session_record() writes.
+/// Whether a file is a record: a `.hdf` of HDF5 with the group that insitu_session_record() writes.
+/// Throws FileError for a `.hdf` that does not tell, since it is damaged.
 bool is_record(const std::string& path);
 /// Throws FileError for what is no record.
 std::unique_ptr<RecordSource> open_record(const std::string& path);
