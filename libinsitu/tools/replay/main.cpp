@@ -9,12 +9,9 @@
 #include <optional>
 #include <set>
 #include <unistd.h>
-#include <vtkDataSet.h>
-#include <vtkNew.h>
-#include <vtkUnstructuredGrid.h>
+#include <vtkDataObject.h>
 
 #include "insitu/insitu.hpp"
-#include "insitu/vtk.hpp"
 
 #include "catalyst/run.h"
 #include "check.h"
@@ -24,6 +21,7 @@
 #include "read.h"
 #include "records/meshes.h"
 #include "steps.h"
+#include "vtk_mesh.h"
 
 namespace insitu_replay {
 
@@ -206,9 +204,7 @@ private:
       cycle_ = unused_cycle(first, step.is_of_run ? std::nullopt : cycle_of(parts[0].data), s);
       time_ = step.time ? *step.time : time_of(parts[0].data).value_or(double(cycle_));
     }
-    give(parts, first);
-    if (!parts.empty())
-      give_blanks(first, field_names_of(parts));
+    vtk_mesh_.give(mesh_, parts, first, most_parts());
   }
 
   /// What the file says, or its place in the order; but if a step had that number before (exporters
@@ -227,85 +223,11 @@ private:
     return cycle;
   }
 
-  /// Gives the parts of a step to the mesh, as its pieces.
-  void give(const std::vector<Part>& parts, const std::string& first) {
-    const auto is_set = [](const Part& p) { return vtkDataSet::SafeDownCast(p.data) != nullptr; };
-    for (const Part& part : parts)
-      if (is_set(part) ? adaptive_.has_value() : !pieces_.empty() || parts.size() > 1)
-        throw FileError(part.name,
-                        std::string(is_set(part) ? "is no adaptive mesh" : "is an adaptive mesh") +
-                            "; all steps are adaptive meshes, a file each, or none");
-    if (!parts.empty() && !is_set(parts[0])) {
-      give_adaptive(parts[0]);
-      return;
-    }
-    if (adaptive_)
-      throw FileError(first, "no parts after an adaptive mesh");
-    keep_common_arrays(parts,
-                       [&](const std::string& what) { say_once(first + ": " + what, what); });
-    // Pieces that a step lacks are there without cells, so that the mesh has as many in all steps,
-    // as far as an index tells, and tables name pieces from the first step on.
-    const std::size_t count = std::max({parts.size(), pieces_.size(), most_parts()});
-    const vtkNew<vtkUnstructuredGrid> nothing;
-    for (std::size_t p = 0; p < count; ++p)
-      give_piece(p, p < parts.size() ? vtkDataSet::SafeDownCast(parts[p].data) : nothing.Get(),
-                 p < parts.size() ? parts[p].name : first);
-  }
-
-  void give_blanks(const std::string& file, const std::vector<std::string>& fields) {
-    try {
-      for (const ReplayOptions::Blank& blank : options_.blanks)
-        for (const std::string& name : blank.field.empty() ? fields : std::vector{blank.field})
-          mesh_.field_blank(name, blank.value);
-    } catch (const insitu::Error& e) {
-      throw FileError(file, e.what());
-    }
-  }
-
-  void give_adaptive(const Part& part) {
-    try {
-      if (adaptive_)
-        adaptive_->update(part.data);
-      else
-        adaptive_ = insitu::vtk::attach_adaptive(mesh_, part.data);
-    } catch (const insitu::Error& e) {
-      throw FileError(part.name, e.what());
-    }
-    say_notes(part.name, adaptive_->skipped(), adaptive_->converted());
-  }
-
-  void give_piece(std::size_t p, vtkDataSet* data, const std::string& name) {
-    try {
-      if (p < pieces_.size()) {
-        pieces_[p].update(data);
-      } else {
-        insitu::vtk::AttachOptions o;
-        o.piece = int(p);
-        pieces_.push_back(insitu::vtk::attach(mesh_, data, o));
-      }
-    } catch (const insitu::Error& e) {
-      throw FileError(name, e.what());
-    }
-    say_notes(name, pieces_[p].skipped(), pieces_[p].converted());
-  }
-
   std::size_t most_parts() const {
     std::size_t most = 0;
     for (const Step& step : steps_)
       most = std::max(most, step.files.size());
     return most;
-  }
-
-  /// Each thing once, of the first file that has it. Of what is converted ghosts of another type
-  /// alone: fields of integers mean the same as they are.
-  void say_notes(const std::string& file, const std::vector<insitu::vtk::Note>& skipped,
-                 const std::vector<insitu::vtk::Note>& converted) {
-    for (const insitu::vtk::Note& n : skipped)
-      say_once(file + ": " + n.array + " is left out: " + n.reason, n.array + n.reason);
-    for (const insitu::vtk::Note& n : converted)
-      if (n.array.find("vtkGhostType") != std::string::npos &&
-          n.reason.find("another type") != std::string::npos)
-        say_once(file + ": " + n.array + " is converted: " + n.reason, n.array + n.reason);
   }
 
   void say_once(const std::string& what) { say_once(what, what); }
@@ -371,10 +293,10 @@ private:
   const ReplayOptions& options_;
   std::vector<Step> steps_;
   Progress progress_;
-  // The session reads the arrays that the pieces hold, and is closed before they go.
-  std::vector<insitu::vtk::Attachment> pieces_;
-  std::optional<insitu::vtk::AdaptiveAttachment> adaptive_; ///< then no pieces
-  std::optional<Record> first_;                             ///< of records, the first
+  // The session reads the arrays that these hold, and is closed before they go.
+  VtkMesh vtk_mesh_{
+      options_, [this](const std::string& what, const std::string& key) { say_once(what, key); }};
+  std::optional<Record> first_; ///< of records, the first
   RecordedMeshes records_;
   insitu::Session session_;
   insitu::Mesh mesh_;
