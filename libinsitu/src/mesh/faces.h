@@ -10,7 +10,17 @@ namespace insitu::mesh {
 /// that each array has the items that it should.
 struct RingsView {
   std::int64_t count = 0;
-  IndexView ids, offsets; ///< offsets: [count + 1]
+  IndexView ids;     ///< face after face; if behind, pointers to the ids of each face
+  IndexView offsets; ///< [count + 1] places in ids; if behind, [count] numbers of ids
+  bool behind = false;
+  std::int64_t bytes_behind = 0; ///< from the place that a pointer names to the first id
+
+  /// The ids of a ring behind its pointer, which may be null: then data is null.
+  IndexView ring_behind(std::int64_t face) const {
+    const auto* const at = load_as<const std::byte*>(ids.data + face * ids.stride);
+    return {at ? at + bytes_behind : nullptr, offsets.load(face), ids.is_int32 ? 4 : 8,
+            ids.is_int32};
+  }
 };
 
 /// The cells of a piece by their faces (insitu_faces), over the solver's arrays.

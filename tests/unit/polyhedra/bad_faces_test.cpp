@@ -27,13 +27,13 @@ public:
       EXPECT_EQ(e.status(), status) << e.what();
       return e.what();
     }
-    if (status == INSITU_ERROR_MESH) {
-      const cells::Validation found = m.mesh.validate(m.threads);
-      EXPECT_FALSE(found.findings.empty());
-      const insitu_validation& c = found.counts;
-      EXPECT_GT(c.index_errors + c.shape_errors + c.coordinate_errors, 0);
-    }
     try {
+      if (status == INSITU_ERROR_MESH) {
+        const cells::Validation found = m.mesh.validate(m.threads);
+        EXPECT_FALSE(found.findings.empty());
+        const insitu_validation& c = found.counts;
+        EXPECT_GT(c.index_errors + c.shape_errors + c.coordinate_errors, 0);
+      }
       m.commit();
     } catch (const core::Error& e) {
       EXPECT_EQ(e.status(), status) << e.what();
@@ -196,4 +196,23 @@ TEST(BadFaces, APieceWithoutCellsIsNoError) {
   m.commit();
   EXPECT_EQ(m.mesh.stand_in(), nullptr);
   EXPECT_EQ(m.sampler().locate({0.5, 0.5, 0.5}).cell, 0);
+}
+
+TEST(BadFaces, RecordsOfRings) {
+  Refused r;
+  const auto commit = [&](const std::vector<FaceArrays<>::Record>& rings) {
+    return r.commit(FaceArrays<>::by_records(r.by_owner, rings));
+  };
+  auto rings = r.arrays.records();
+  rings[5].ids = nullptr;
+  expect_in(commit(rings), {"mesh 'test', piece 0: the pointer of face 5 is null"});
+  rings = r.arrays.records();
+  rings[2].size = -1;
+  expect_in(commit(rings), {"face 2 has -1 vertices, 3 or more expected"});
+  insitu_faces few = FaceArrays<>::by_records(r.by_owner, rings);
+  --few.vertices.count;
+  expect_in(r.commit(few, INSITU_ERROR_ARGUMENT), {"vertices: ", " pointers, "});
+  insitu_faces offsets = FaceArrays<>::by_records(r.by_owner, rings);
+  offsets.offsets.indirect = 1;
+  expect_in(r.commit(offsets, INSITU_ERROR_ARGUMENT), {"indirect; only fields, leaves and"});
 }

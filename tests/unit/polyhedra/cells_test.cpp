@@ -114,6 +114,36 @@ TEST(Polyhedra, FormsAreTheSame) {
   }
 }
 
+// Rings are read where their records say, in both forms, and stand in the audit with all their ids.
+TEST(Polyhedra, RingsInRecordsOfTheirOwn) {
+  const FaceMesh mesh = fixtures::octahedra(2, 0.1);
+  const CommittedFaces packed(mesh);
+  const auto points = test::hard_points(packed.mesh.mesh().view(), 400, 10);
+  for (const int base : {0, 1})
+    for (const bool by_cell : {false, true}) {
+      const fixtures::FaceArrays<> arrays(mesh, base);
+      const auto rings = arrays.records();
+      const insitu_faces faces =
+          arrays.by_records(by_cell ? arrays.by_cell() : arrays.by_owner(), rings);
+      const insitu_array vertices = arrays.point_array();
+      fixtures::Committed m;
+      m.mesh.mesh().set_points(0, &vertices, 1);
+      m.mesh.mesh().set_faces(0, &faces);
+      m.commit();
+      for (const Vec3d& p : points)
+        ASSERT_EQ(m.mesh.own(m.sampler().locate(p, -1, {INSITU_EXACT, 1.0}), p).cell,
+                  packed.owner(p));
+      int found = 0;
+      for (const insitu_audit_entry& entry : m.mesh.mesh().audit())
+        if (entry.name == std::string("piece 0 vertices")) {
+          ++found;
+          EXPECT_EQ(entry.borrowed, 1);
+          EXPECT_EQ(entry.bytes, std::int64_t(4 * arrays.vertices.size()));
+        }
+      EXPECT_EQ(found, 1);
+    }
+}
+
 // A prism over an L sees all of itself from near its inner corner alone, one over a U from nowhere.
 TEST(Polyhedra, CentresOfCellsThatAreNotConvex) {
   const auto prism = [](const std::vector<Vec3d>& base) {

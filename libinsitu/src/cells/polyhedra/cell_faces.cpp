@@ -12,9 +12,13 @@ bool find_ring(const FacesView& faces, std::int64_t face, FaceRing& out) {
   const bool inner = face < faces.faces.count;
   const mesh::RingsView& rings = inner ? faces.faces : faces.boundary;
   const std::int64_t f = inner ? face : face - faces.faces.count;
+  if (rings.behind) {
+    out = {rings.ring_behind(f), 0, rings.offsets.load(f)};
+    return out.ids.data != nullptr;
+  }
   const std::int64_t begin = from_base(rings.offsets.load(f), faces.index_base);
   const std::int64_t end = from_base(rings.offsets.load(f + 1), faces.index_base);
-  out = {&rings, begin, end - begin};
+  out = {rings.ids, begin, end - begin};
   return begin >= 0 && begin <= end && end <= rings.ids.count;
 }
 

@@ -12,12 +12,13 @@ namespace insitu::cells {
 
 /// The ring of a face: the vertices' ids as given.
 struct FaceRing {
-  const mesh::RingsView* rings;
-  std::int64_t first = 0, size = 0; ///< places in rings->ids
-  std::int64_t id(std::int64_t k) const { return rings->ids.load(first + k); }
+  mesh::IndexView ids;
+  std::int64_t first = 0, size = 0; ///< places in ids
+  std::int64_t id(std::int64_t k) const { return ids.load(first + k); }
 };
 
-/// Whether the offsets of a face tell places in the ids; `out` then is the ring.
+/// Whether the offsets of a face tell places in the ids, or its pointer leads to some; `out` then
+/// is the ring.
 bool find_ring(const mesh::FacesView& faces, std::int64_t face, FaceRing& out);
 
 /// The faces of each cell of a piece: by number where faces name their cells, else as the cell

@@ -44,7 +44,7 @@ bool ClosedCell::take_rings(std::span<const std::int64_t> faces, FaceFindings& f
                          "lies at " + std::to_string(ring.first + given_.index_base) +
                              " to before " +
                              std::to_string(ring.first + ring.size + given_.index_base) + " of " +
-                             std::to_string(ring.rings->ids.count) + " ids");
+                             std::to_string(ring.ids.count) + " ids");
     if (ring.size < 3)
       return refuse_face(findings.shape_errors,
                          "has " + std::to_string(ring.size) + " vertices, 3 or more expected");

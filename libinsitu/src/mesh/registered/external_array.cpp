@@ -40,7 +40,7 @@ const char* type_name(insitu_type type) {
 }
 
 std::int64_t ExternalArray::bytes() const {
-  return layout.count * components * size_of(type);
+  return (indirect_values >= 0 ? indirect_values : layout.count * components) * size_of(type);
 }
 
 ExternalArray::Range ExternalArray::range() const {
@@ -75,7 +75,7 @@ void check_pointers(const insitu_array& array, const std::string& name, Pointers
     return;
   }
   if (pointers == Pointers::refused)
-    refuse("indirect; only fields and leaves may lie behind pointers");
+    refuse("indirect; only fields, leaves and the vertices of faces may lie behind pointers");
   if (array.memory != INSITU_HOST)
     refuse("indirect, in device memory; pointers are followed on the host only");
   constexpr std::int64_t farthest = std::int64_t(1) << 61;

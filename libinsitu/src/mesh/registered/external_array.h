@@ -17,6 +17,9 @@ struct ExternalArray {
   std::string converted; ///< empty: borrowed; else why it is a copy
   bool indirect = false; ///< `data` holds pointers, and the items lie `offset` bytes behind them
   std::int64_t offset = 0;
+  /// Of items of different lengths behind pointers: how many values they have in all, once a commit
+  /// has counted them; -1 for all other arrays.
+  std::int64_t indirect_values = -1;
 
   bool given() const { return components > 0; }
   /// Component c of item i.

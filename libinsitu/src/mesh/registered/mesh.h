@@ -293,6 +293,8 @@ private:
   void check_global_ids(std::size_t p, insitu_association of, std::int64_t& last,
                         const core::Threads* threads);
   void check_pointers(Field& field, const core::Threads* threads) const;
+  /// Counts the ids of faces that lie behind pointers, none of which may be null.
+  void count_rings(std::size_t piece);
   void update_fields(const core::Threads* threads);
   bool hides_points(const Field& field, std::size_t p) const;
   bool has_blanks(const Field& field) const;

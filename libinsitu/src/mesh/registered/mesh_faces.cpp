@@ -49,10 +49,11 @@ private:
     return given;
   }
 
-  const ExternalArray& array(const insitu_array& given, const char* what, int most_components) {
-    ExternalArray adopted = adopt(&given, name_ + ", " + what);
+  const ExternalArray& array(const insitu_array& given, const char* what, int most_components,
+                             Pointers pointers = Pointers::refused) {
+    ExternalArray adopted = adopt(&given, name_ + ", " + what, pointers);
     require_integer(adopted, name_ + ", " + what);
-    if (!adopted.layout.linear)
+    if (!adopted.layout.linear && !adopted.indirect)
       refuse(std::string(what) + ": items must be evenly spaced");
     if (adopted.components > most_components)
       refuse(std::string(what) + ": " + std::to_string(adopted.components) + " components, " +
@@ -86,8 +87,15 @@ private:
     out.count = count(given, count_name);
     if (out.count == 0)
       return out;
-    out.ids = ids(vertices, vertices_name);
-    out.offsets = ids(offsets, offsets_name, out.count + 1, std::to_string(out.count) + " faces");
+    const ExternalArray& given_ids = array(vertices, vertices_name, 1, Pointers::followed);
+    out.ids = index_view(given_ids);
+    out.behind = given_ids.indirect;
+    out.bytes_behind = given_ids.offset;
+    const std::string faces = std::to_string(out.count) + " faces";
+    if (out.behind && out.ids.count != out.count)
+      refuse(std::string(vertices_name) + ": " + std::to_string(out.ids.count) + " pointers, " +
+             std::to_string(out.count) + " expected of " + faces);
+    out.offsets = ids(offsets, offsets_name, out.count + (out.behind ? 0 : 1), faces);
     return out;
   }
 
@@ -154,6 +162,30 @@ void Mesh::set_faces(std::int32_t piece, const insitu_faces* given) {
   p.face_arrays = std::move(reader.arrays);
   p.faces = faces;
   pending_ |= INSITU_CHANGED_ALL;
+}
+
+void Mesh::count_rings(std::size_t piece) {
+  Piece& p = pieces_[piece];
+  if (!p.faces || p.view.cell_count == 0)
+    return;
+  auto array = p.face_arrays.begin();
+  for (const RingsView* const rings : {&p.faces->faces, &p.faces->boundary}) {
+    if (!rings->behind)
+      continue;
+    std::int64_t values = 0;
+    for (std::int64_t f = 0; f < rings->count; ++f) {
+      const IndexView ring = rings->ring_behind(f);
+      if (!ring.data)
+        throw Error(INSITU_ERROR_MESH, "mesh '" + name_ + "', piece " + std::to_string(piece) +
+                                           ": the pointer of " +
+                                           (rings == &p.faces->faces ? "face " : "boundary face ") +
+                                           std::to_string(f) + " is null");
+      values += std::max<std::int64_t>(ring.count, 0);
+    }
+    array =
+        std::find_if(array, p.face_arrays.end(), [](const auto& a) { return a.first.indirect; });
+    (array++)->first.indirect_values = values;
+  }
 }
 
 bool Mesh::has_faces() const {

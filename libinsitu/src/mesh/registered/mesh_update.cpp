@@ -105,6 +105,8 @@ void Mesh::update(const core::Threads* threads) {
     first_cell_.push_back(first_cell_.back() + p.view.cell_count);
     first_vertex_.push_back(first_vertex_.back() + piece_views_.back().vertex_count);
   }
+  for (std::size_t p = 0; p < pieces_.size() && (pending_ & INSITU_CHANGED_TOPOLOGY); ++p)
+    count_rings(p);
   add_halo();
   update_fields(threads);
   set_views();
