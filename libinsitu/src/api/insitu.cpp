@@ -32,6 +32,25 @@ std::string& last_message() {
   return message;
 }
 
+/// Returns the handle. Collective; throws core::Error.
+static std::uintptr_t open_session(const insitu_session_options& options) {
+  const std::shared_ptr<parallel::World> world =
+      world_of(options, {options.log_level, options.log, options.log_user});
+  std::uintptr_t handle = 0;
+  try {
+    std::shared_ptr<Session> session;
+    world->agree_after([&] {
+      session = std::make_shared<Session>(options, world);
+      handle = sessions().add(session);
+    });
+    session->open(options);
+  } catch (...) {
+    sessions().remove(handle);
+    throw;
+  }
+  return handle;
+}
+
 insitu_status fail(insitu_status status, const char* message) noexcept {
   try {
     last_message() = message;
@@ -100,8 +119,7 @@ insitu_status insitu_session_open(const insitu_session_options* options, insitu_
     try {
       if (options)
         known = core::from_caller(options, "options");
-      *session = reinterpret_cast<insitu_session>(
-          api::sessions().add(std::make_shared<api::Session>(known)));
+      *session = reinterpret_cast<insitu_session>(api::open_session(known));
     } catch (const parallel::AgreedError& e) { // one process tells it for all
       if (e.at_root())
         core::Log(known.log_level, known.log, known.log_user)

@@ -1,10 +1,10 @@
 #include "api/meshes_of_all.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "core/parallel.h"
 #include "core/status.h"
+#include "core/text.h"
 
 namespace insitu::api {
 
@@ -12,14 +12,10 @@ namespace {
 
 const std::string at_vertices = " at vertices", scalar_words = "1 component";
 
-/// Adds texts to a list. Names hold any byte but 0.
-void put(std::string& list, std::initializer_list<std::string> texts) {
-  for (const std::string& text : texts)
-    list.append(text).push_back('\0');
-}
-
-bool take(std::istringstream& in, std::string& text) {
-  return bool(std::getline(in, text, '\0'));
+/// Adds texts to a list.
+void put(std::string& list, std::initializer_list<std::string_view> texts) {
+  for (const std::string_view text : texts)
+    core::join(list, text);
 }
 
 } // namespace
@@ -41,8 +37,9 @@ std::string list_meshes(std::span<commit::CommittedMesh* const> meshes) {
 }
 
 void MeshesOfAll::add(int rank, const std::string& list) {
-  std::istringstream in(list);
-  for (std::string mesh, name, what; take(in, mesh) && take(in, name) && take(in, what);) {
+  const std::vector<std::string> texts = core::parted(list);
+  for (std::size_t i = 0; i + 3 <= texts.size(); i += 3) {
+    const std::string &mesh = texts[i], &name = texts[i + 1], &what = texts[i + 2];
     if (what.empty()) {
       if (std::find(meshes_.begin(), meshes_.end(), mesh) == meshes_.end())
         meshes_.push_back(mesh);
@@ -67,14 +64,6 @@ std::string MeshesOfAll::names() const {
   for (const std::string& name : meshes_)
     put(all, {name});
   return all;
-}
-
-std::vector<std::string> MeshesOfAll::read_names(const std::string& list) {
-  std::istringstream in(list);
-  std::vector<std::string> names;
-  for (std::string name; take(in, name);)
-    names.push_back(name);
-  return names;
 }
 
 std::pair<std::string, std::string> MeshesOfAll::scalar() const {

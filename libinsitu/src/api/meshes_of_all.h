@@ -22,9 +22,8 @@ public:
   void add(int rank, const std::string& list);
 
   /// The names in the order in which the first process that has them made the meshes, as a list
-  /// for read_names().
+  /// for core::parted().
   std::string names() const;
-  static std::vector<std::string> read_names(const std::string& list);
 
   /// The first scalar field of the first mesh that has one, and that mesh; or empty names.
   std::pair<std::string, std::string> scalar() const;

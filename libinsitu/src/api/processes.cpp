@@ -5,11 +5,10 @@
 #include <cstdlib>
 #include <iterator>
 #include <map>
-#include <sstream>
 #include <unistd.h>
 
 #include "api/meshes_of_all.h"
-#include "core/simd_target.h"
+#include "core/text.h"
 #include "parallel/mpi_world.h"
 
 namespace insitu::api {
@@ -18,27 +17,14 @@ using core::Error;
 
 namespace {
 
-std::unique_ptr<parallel::World> world_of(const insitu_session_options& o, const core::Log& log) {
-  const bool given = o.communicator || o.fortran_communicator != INSITU_NO_COMMUNICATOR;
-  if (!given)
-    return std::make_unique<parallel::SerialWorld>();
-  if (!parallel::has_mpi()) {
-    log.warning("communicator: this build has no MPI and does not use it. Each process works on "
-                "its own pieces alone; give each process an output folder of its own, since a "
-                "second session that writes the same files is refused");
-    return std::make_unique<parallel::SerialWorld>();
-  }
-  return parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
-}
-
 /// A scene's length and a checksum of it.
 std::string told(const std::string& text) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char c : text)
     hash = (hash ^ std::uint8_t(c)) * 0x100000001b3u;
-  std::ostringstream out;
-  out << "of " << text.size() << " bytes (checksum " << std::hex << hash << ")";
-  return out.str();
+  char sum[16];
+  const std::string checksum(sum, std::to_chars(sum, sum + sizeof sum, hash, 16).ptr);
+  return "of " + std::to_string(text.size()) + " bytes (checksum " + checksum + ")";
 }
 
 /// The shortest text that is this number again.
@@ -64,21 +50,17 @@ bool has_cells(const commit::CommittedMesh& mesh) {
 
 } // namespace
 
-Processes::Processes(const insitu_session_options& options, const core::Log& log)
-    : Processes(world_of(options, log), options) {}
-
-Processes::Processes(std::shared_ptr<parallel::World> world, const insitu_session_options& options)
-    : world_(std::move(world)) {
-  // What follows in a session throws for these; nobody waits for a process that does.
-  world_->agree_after([&] {
-    core::require_simd_target();
-    if (options.threads < 0)
-      throw Error(INSITU_ERROR_ARGUMENT,
-                  "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
-    if (options.scene && options.scene_text)
-      throw Error(INSITU_ERROR_ARGUMENT,
-                  "scene and scene_text are both given, at most one expected");
-  });
+std::shared_ptr<parallel::World> world_of(const insitu_session_options& o, const core::Log& log) {
+  const bool given = o.communicator || o.fortran_communicator != INSITU_NO_COMMUNICATOR;
+  if (!given)
+    return std::make_shared<parallel::SerialWorld>();
+  if (!parallel::has_mpi()) {
+    log.warning("communicator: this build has no MPI and does not use it. Each process works on "
+                "its own pieces alone; give each process an output folder of its own, since a "
+                "second session that writes the same files is refused");
+    return std::make_shared<parallel::SerialWorld>();
+  }
+  return parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
 }
 
 int Processes::threads(const insitu_session_options& options) const {
@@ -103,23 +85,26 @@ void Processes::wait_for_all(const std::string& call) {
 void Processes::agree_on_session(const insitu_session_options& o, bool checked) {
   if (size() == 1)
     return;
-  std::string scene = "none";
-  world_->agree_after([&] {
+  world_->require_same([&] {
+    std::string scene = "none";
     if (o.scene)
       scene = "file '" + std::string(o.scene) + "'"; // the root reads it
     else if (o.scene_text)
       scene = told(std::string(o.scene_text));
+    return std::vector<parallel::Named>{{"scene", scene},
+                                        {"default_scene", std::to_string(o.default_scene != 0)},
+                                        {"strict", std::to_string(o.strict != 0)},
+                                        {"preview", std::to_string(o.preview != 0)},
+                                        {"checked", std::to_string(checked)}};
   });
-  world_->require_same({{"scene", scene},
-                        {"default_scene", std::to_string(o.default_scene != 0)},
-                        {"strict", std::to_string(o.strict != 0)},
-                        {"preview", std::to_string(o.preview != 0)},
-                        {"checked", std::to_string(checked)}});
 }
 
 void Processes::agree_on_time(std::int64_t cycle, double time) {
   if (size() > 1)
-    world_->require_same({{"cycle", std::to_string(cycle)}, {"time", shortest(time)}});
+    world_->require_same([&] {
+      return std::vector<parallel::Named>{{"cycle", std::to_string(cycle)},
+                                          {"time", shortest(time)}};
+    });
 }
 
 std::vector<std::string> Processes::agree_on_meshes(std::span<commit::CommittedMesh* const> meshes,
@@ -147,16 +132,21 @@ std::vector<std::string> Processes::agree_on_meshes(std::span<commit::CommittedM
                  [&](int rank, std::span<const std::byte> bytes) {
                    lists[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
                  });
-  MeshesOfAll all;
+  std::string names;
+  std::pair<std::string, std::string> scalar;
   world_->agree_after([&] {
+    MeshesOfAll all;
     for (const auto& [rank, of] : lists)
       all.add(rank, of);
+    names = all.names();
+    scalar = all.scalar();
   });
-  names_ = MeshesOfAll::read_names(world_->broadcast(all.names()));
-  scalar_ = all.scalar();
-  scalar_ = {world_->broadcast(scalar_.first), world_->broadcast(scalar_.second)};
+  names = world_->broadcast(names);
+  scalar_.first = world_->broadcast(scalar.first);
+  scalar_.second = world_->broadcast(scalar.second);
   std::vector<commit::CommittedMesh*> all_meshes;
   world_->agree_after([&] {
+    names_ = core::parted(names);
     for (const std::string& name : names_)
       all_meshes.push_back(&make(name));
   });

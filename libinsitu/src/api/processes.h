@@ -13,14 +13,16 @@
 
 namespace insitu::api {
 
+/// The processes of the communicator that the options give, or this one alone. Collective; throws
+/// core::Error.
+std::shared_ptr<parallel::World> world_of(const insitu_session_options& options,
+                                          const core::Log& log);
+
 /// The processes of a session, and what they have to agree on before one of them works. The calls
 /// that open, execute and close a session are collective; see parallel/world.h.
 class Processes {
 public:
-  /// Those of the communicator that the options give, or this one alone. Throws core::Error.
-  Processes(const insitu_session_options& options, const core::Log& log);
-  /// Those of a World.
-  Processes(std::shared_ptr<parallel::World> world, const insitu_session_options& options);
+  explicit Processes(std::shared_ptr<parallel::World> world) : world_(std::move(world)) {}
 
   parallel::World& world() { return *world_; }
   const parallel::World& world() const { return *world_; }

@@ -74,6 +74,8 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
   std::vector<math::Vec3d> points;
   std::vector<std::string> names;
   world.agree_after([&] {
+    if (args.point_arrays == INT32_MIN)
+      throw Error(INSITU_ERROR_MEMORY, "out of memory");
     const commit::CommittedMesh& mesh = committed(to);
     const QueryPoints given(args);
     QueryOutputs(args, given.count()).refuse_overlaps(given, mesh.mesh(), {});
@@ -89,14 +91,17 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
       commit::require_nearest(mesh);
     points = points_of(mesh, args, given);
   });
-  std::string all;
-  for (const std::string& name : names)
-    all += name + "\n";
-  world.require_same({{"mesh", to.mesh.mesh().name()},
-                      {"accuracy", std::to_string(int(args.accuracy))},
-                      {"outside", std::to_string(int(args.outside))},
-                      {"greatest_distance", std::to_string(args.greatest_distance)},
-                      {"fields", all}});
+  world.require_same([&] {
+    std::string all;
+    for (const std::string& name : names)
+      all += name + "\n";
+    return std::vector<parallel::Named>{
+        {"mesh", to.mesh.mesh().name()},
+        {"accuracy", std::to_string(int(args.accuracy))},
+        {"outside", std::to_string(int(args.outside))},
+        {"greatest_distance", std::to_string(args.greatest_distance)},
+        {"fields", all}};
+  });
   if (to.mesh.needs_halo(world))
     to.mesh.update_halo(world, context_.threads, context_.log);
   else

@@ -100,9 +100,12 @@ void Session::nearest_vertices(SessionMesh& to, const insitu_vertices_args& give
         [&](std::size_t i, const query::NearVertices& found) { put(i, found.found()); });
   } else {
     world.agree_after(take_arguments);
-    world.require_same({{"mesh", to.mesh.mesh().name()},
-                        {"nearest", std::to_string(args.nearest)},
-                        {"greatest_distance", std::to_string(args.greatest_distance)}});
+    world.require_same([&] {
+      return std::vector<parallel::Named>{
+          {"mesh", to.mesh.mesh().name()},
+          {"nearest", std::to_string(args.nearest)},
+          {"greatest_distance", std::to_string(args.greatest_distance)}};
+    });
     to.mesh.update_chart(world, context_.threads, context_.log);
     to.mesh.to_plane(points);
     commit::Everywhere(to.mesh, world)

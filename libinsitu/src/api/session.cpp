@@ -27,23 +27,29 @@ static_assert(int(accel::Method::bvh) + 1 == INSITU_METHOD_BVH &&
               accel::method_count == INSITU_METHOD_SHARED_BILINEAR_FACES &&
               int(accel::Backend::optix) + 1 == INSITU_BACKEND_OPTIX);
 
-core::Log log_of(const insitu_session_options& o) {
-  return {o.log_level, o.log, o.log_user};
+/// Throws for options with which no session is made.
+const insitu_session_options& checked_options(const insitu_session_options& options) {
+  core::require_simd_target();
+  if (options.threads == INT32_MIN)
+    throw Error(INSITU_ERROR_MEMORY, "out of memory");
+  if (options.threads < 0)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
+  if (options.scene && options.scene_text)
+    throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
+  return options;
 }
 
 } // namespace
 
-Session::Session(const insitu_session_options& options)
-    : Session(options, Processes(options, log_of(options))) {}
-
 Session::Session(const insitu_session_options& options, std::shared_ptr<parallel::World> world)
-    : Session(options, Processes(std::move(world), options)) {}
-
-Session::Session(const insitu_session_options& options, Processes processes)
-    : processes_(std::move(processes)), context_(processes_.threads(options), log_of(options)),
+    : processes_(std::move(world)), context_(processes_.threads(checked_options(options)),
+                                             {options.log_level, options.log, options.log_user}),
       strict_(options.strict != 0), default_scene_(options.default_scene != 0),
       preview_(options.preview != 0), output_(options.output ? options.output : ""),
-      query_points_(context_.memory, INSITU_MEMORY_QUERY) {
+      query_points_(context_.memory, INSITU_MEMORY_QUERY) {}
+
+void Session::open(const insitu_session_options& options) {
   read_scene(options);
   processes_.world().agree_after([&] {
     if (core::simd_target().asked)
@@ -276,7 +282,9 @@ std::string Session::execute(std::int64_t cycle, double time) {
 
 void Session::checkpoint(const std::string& path) {
   meet("checkpoint");
-  processes_.world().require_same({{"checkpoint", "'" + path + "'"}});
+  processes_.world().require_same([&] {
+    return std::vector<parallel::Named>{{"checkpoint", "'" + path + "'"}};
+  });
   std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
     if (!runner_)
@@ -304,7 +312,9 @@ std::vector<commit::CommittedMesh*> Session::executed_meshes(const std::string& 
 
 void Session::record(const std::string& path) {
   meet("record");
-  processes_.world().require_same({{"record", "'" + path + "'"}});
+  processes_.world().require_same([&] {
+    return std::vector<parallel::Named>{{"record", "'" + path + "'"}};
+  });
   std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
     meshes = executed_meshes("record '" + path + "'");
@@ -322,7 +332,9 @@ void Session::record(const std::string& path) {
 
 void Session::restart(const std::string& path) {
   meet("restart");
-  processes_.world().require_same({{"restart from", "'" + path + "'"}});
+  processes_.world().require_same([&] {
+    return std::vector<parallel::Named>{{"restart from", "'" + path + "'"}};
+  });
   std::unique_ptr<scene::Runner> fresh;
   processes_.world().agree_after([&] {
     if (!scene_)

@@ -32,10 +32,12 @@ struct SessionMesh {
 /// Everything behind an insitu_session. Methods throw core::Error.
 class Session {
 public:
-  explicit Session(const insitu_session_options& options);
-  /// With processes that the options do not give, for tests.
+  /// Makes one of these processes, which open() opens. Not collective: a process that fails here
+  /// tells the others.
   Session(const insitu_session_options& options, std::shared_ptr<parallel::World> world);
   ~Session();
+  /// Agrees on the options with all processes, and reads the scene.
+  void open(const insitu_session_options& options);
 
   SessionMesh& mesh(const std::string& name);
   std::vector<std::unique_ptr<SessionMesh>>& meshes() { return meshes_; }
@@ -115,10 +117,9 @@ private:
   /// Makes it; returns what is in the way, logged once.
   std::string try_default_runner(const std::vector<commit::CommittedMesh*>& meshes);
 
-  Session(const insitu_session_options& options, Processes processes);
   void read_scene(const insitu_session_options& options);
 
-  Processes processes_; ///< first: the others take part in what fails of the rest
+  Processes processes_;
   core::Context context_;
   bool strict_;
   bool default_scene_, preview_;

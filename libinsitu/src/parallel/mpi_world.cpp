@@ -1,8 +1,10 @@
 #include "parallel/mpi_world.h"
 
+#include <cstdio>
 #include <cstring>
 #include <dlfcn.h>
 #include <link.h>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -23,46 +25,47 @@ constexpr const char* library_name = "";
 constexpr const char* mpi_name = "";
 #endif
 
-std::string name_in(const std::string& path) {
-  return path.substr(path.rfind('/') + 1);
+const char* name_in(const char* path) {
+  const char* const slash = std::strrchr(path, '/');
+  return slash ? slash + 1 : path;
 }
 
 /// Throws if the program has another MPI: a handle of one means nothing to the other.
 void refuse_other_mpi() {
-  std::string other;
+  char other[256] = "";
   dl_iterate_phdr(
       [](dl_phdr_info* info, std::size_t, void* found) {
-        const std::string name = name_in(info->dlpi_name ? info->dlpi_name : "");
-        const std::string own = name_in(mpi_name);
-        if (mpi_of(name.c_str()) && name.compare(0, own.size(), own) != 0)
-          *static_cast<std::string*>(found) = name;
+        const char* const name = name_in(info->dlpi_name ? info->dlpi_name : "");
+        const char* const own = name_in(mpi_name);
+        if (mpi_of(name) && std::strncmp(name, own, std::strlen(own)) != 0)
+          std::strncpy(static_cast<char*>(found), name, sizeof other - 1);
         return 0;
       },
-      &other);
-  if (!other.empty())
+      other);
+  if (*other)
     throw Error(INSITU_ERROR_UNSUPPORTED,
-                "communicator: the program has loaded " + other + " (" + mpi_of(other.c_str()) +
-                    "), but libinsitu-mpi is built with " + name_in(mpi_name) +
+                std::string("communicator: the program has loaded ") + other + " (" +
+                    mpi_of(other) + "), but libinsitu-mpi is built with " + name_in(mpi_name) +
                     "; build libinsitu with the program's MPI");
 }
 
-/// The library lies beside the one that this code is in, or where the loader looks.
+/// The library lies beside the one that this code is in, or where the loader looks. Other processes
+/// wait for this one from here on, so nothing takes memory unless it fails on all.
 void* load() {
   Dl_info own{};
-  std::vector<std::string> paths;
-  if (dladdr(reinterpret_cast<void*>(&mpi_of), &own) && own.dli_fname) {
-    const std::string file = own.dli_fname;
-    if (const std::size_t slash = file.rfind('/'); slash != std::string::npos)
-      paths.push_back(file.substr(0, slash + 1) + library_name);
-  }
-  paths.push_back(library_name);
-  std::string why;
-  for (const std::string& path : paths) {
-    if (void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL))
+  char beside[4096] = "", why[1024] = "";
+  if (dladdr(reinterpret_cast<void*>(&mpi_of), &own) && own.dli_fname)
+    std::snprintf(beside, sizeof beside, "%.*s%s", int(name_in(own.dli_fname) - own.dli_fname),
+                  own.dli_fname, library_name);
+  for (const char* const path : {static_cast<const char*>(beside), library_name}) {
+    if (!*path)
+      continue;
+    if (void* const library = dlopen(path, RTLD_NOW | RTLD_LOCAL))
       return library;
-    why += std::string(why.empty() ? "" : "; ") + dlerror();
+    const std::size_t end = std::strlen(why);
+    std::snprintf(why + end, sizeof why - end, "%s%s", end > 0 ? "; " : "", dlerror());
   }
-  throw Error(INSITU_ERROR_UNSUPPORTED, "communicator: " + why);
+  throw Error(INSITU_ERROR_UNSUPPORTED, std::string("communicator: ") + why);
 }
 
 const insitu_mpi_functions& functions() {
@@ -88,27 +91,41 @@ void check(int status, const char* message) {
   case INSITU_MPI_ORDER:
   case INSITU_MPI_THREAD:
     throw Error(INSITU_ERROR_ORDER, message);
+  case INSITU_MPI_MEMORY:
+    throw Error(INSITU_ERROR_MEMORY, message);
   }
   throw Error(INSITU_ERROR_INTERNAL, message);
 }
 
 class MpiWorld final : public World {
 public:
-  MpiWorld(const void* communicator, std::int32_t fortran_communicator, const core::Log& log)
-      : mpi_(functions()) {
-    int single = 0;
-    char message[INSITU_MPI_MESSAGE] = "";
-    check(mpi_.open(communicator, fortran_communicator, &world_, &rank_, &size_, &on_this_node_,
-                    &single, message),
-          message);
-    if (single && is_root())
-      log.warning("communicator: MPI is initialised for one thread (MPI_THREAD_SINGLE); the "
-                  "library computes in several and calls MPI from the thread that calls it alone. "
-                  "MPI_THREAD_FUNNELED says so");
-  }
+  explicit MpiWorld(const insitu_mpi_functions& mpi) : mpi_(mpi) {}
   ~MpiWorld() override {
     char message[INSITU_MPI_MESSAGE];
-    mpi_.close(world_, message);
+    if (world_)
+      mpi_.close(world_, message);
+  }
+  /// Duplicates the communicator, on all processes. made: null where there was no memory for it.
+  static void open(MpiWorld* made, const insitu_mpi_functions& mpi, const void* communicator,
+                   std::int32_t fortran_communicator, const core::Log& log) {
+    insitu_mpi_world* world = nullptr;
+    int rank = -1, size = 1, on_this_node = 1, single = 0;
+    char message[INSITU_MPI_MESSAGE] = "";
+    const int status = mpi.open(communicator, fortran_communicator, !made, &world, &rank, &size,
+                                &on_this_node, &single, message);
+    if (status == INSITU_MPI_MEMORY)
+      throw AgreedError(INSITU_ERROR_MEMORY, message, rank == 0);
+    check(status, message);
+    made->world_ = world;
+    made->rank_ = rank;
+    made->size_ = size;
+    made->on_this_node_ = on_this_node;
+    made->agree_after([&] {
+      if (single && rank == 0)
+        log.warning("communicator: MPI is initialised for one thread (MPI_THREAD_SINGLE); the "
+                    "library computes in several and calls MPI from the thread that calls it "
+                    "alone. MPI_THREAD_FUNNELED says so");
+    });
   }
 
   int rank() const override { return rank_; }
@@ -141,14 +158,21 @@ private:
     char message[INSITU_MPI_MESSAGE] = "";
     check(mpi_.swap_numbers(world_, to.data(), from.data(), message), message);
   }
-  void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) override {
+  void prepare(std::span<const Outgoing> out, std::span<const Incoming> in) override {
     char message[INSITU_MPI_MESSAGE] = "";
-    std::vector<insitu_mpi_part> sends, receives;
+    sends_.clear();
+    receives_.clear();
     for (const Outgoing& o : out)
-      sends.push_back({o.rank, const_cast<std::byte*>(o.bytes.data()), o.bytes.size()});
+      sends_.push_back({o.rank, const_cast<std::byte*>(o.bytes.data()), o.bytes.size()});
     for (const Incoming& i : in)
-      receives.push_back({i.rank, i.bytes.data(), i.bytes.size()});
-    check(mpi_.transfer(world_, sends.data(), sends.size(), receives.data(), receives.size(),
+      receives_.push_back({i.rank, i.bytes.data(), i.bytes.size()});
+    check(mpi_.prepare(world_, sends_.data(), sends_.size(), receives_.data(), receives_.size(),
+                       message),
+          message);
+  }
+  void transfer(std::span<const Outgoing>, std::span<const Incoming>) override {
+    char message[INSITU_MPI_MESSAGE] = "";
+    check(mpi_.transfer(world_, sends_.data(), sends_.size(), receives_.data(), receives_.size(),
                         message),
           message);
   }
@@ -156,6 +180,7 @@ private:
   const insitu_mpi_functions& mpi_;
   insitu_mpi_world* world_ = nullptr;
   int rank_ = 0, size_ = 1, on_this_node_ = 1;
+  std::vector<insitu_mpi_part> sends_, receives_; ///< of the transfer that is prepared
 };
 
 } // namespace
@@ -180,11 +205,18 @@ const char* mpi_of(const char* library) {
   return nullptr;
 }
 
-std::unique_ptr<World> make_mpi_world(const void* communicator, std::int32_t fortran_communicator,
+std::shared_ptr<World> make_mpi_world(const void* communicator, std::int32_t fortran_communicator,
                                       const core::Log& log) {
   if (!has_mpi())
     throw Error(INSITU_ERROR_UNSUPPORTED, "communicator: this build has no MPI");
-  return std::make_unique<MpiWorld>(communicator, fortran_communicator, log);
+  const insitu_mpi_functions& mpi = functions();
+  std::shared_ptr<MpiWorld> made;
+  try {
+    made = std::make_shared<MpiWorld>(mpi);
+  } catch (const std::bad_alloc&) { // told to the others, once they can hear of it
+  }
+  MpiWorld::open(made.get(), mpi, communicator, fortran_communicator, log);
+  return made;
 }
 
 } // namespace insitu::parallel

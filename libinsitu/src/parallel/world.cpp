@@ -46,6 +46,51 @@ std::span<std::byte> bytes_of(std::string& text) {
   return std::as_writable_bytes(std::span(text.data(), text.size()));
 }
 
+/// How work ended on this process. It takes no memory, which may be what is lacking.
+struct Outcome {
+  explicit Outcome(core::FunctionRef<void()> work) {
+    try {
+      work();
+    } catch (const core::Error& e) {
+      failed(e.status(), e.what());
+    } catch (const std::bad_alloc&) {
+      failed(INSITU_ERROR_MEMORY, "out of memory");
+    } catch (const std::exception& e) {
+      failed(INSITU_ERROR_INTERNAL, e.what());
+    }
+  }
+  void failed(insitu_status with, const char* what) {
+    status = with;
+    std::strncpy(said, what, sizeof said - 1);
+  }
+
+  insitu_status status = INSITU_OK;
+  char said[longest_message] = {};
+};
+
+/// status: of this process, with what it says; INSITU_OK: it has not failed.
+void agree_on(World& world, insitu_status status, const char* what) {
+  const int size = world.size();
+  if (size == 1) {
+    if (status != INSITU_OK)
+      throw AgreedError(status, what, true);
+    return;
+  }
+  std::int64_t first = status != INSITU_OK ? world.rank() : size;
+  world.reduce(std::span(&first, 1), Reduction::least);
+  if (first == size)
+    return;
+  // What it said is cut, so that every process has the room for it.
+  char said[longest_message] = {};
+  std::int64_t agreed = status;
+  if (world.rank() == first)
+    std::strncpy(said, what, sizeof said - 1);
+  world.broadcast(std::as_writable_bytes(std::span(&agreed, 1)), int(first));
+  world.broadcast(std::as_writable_bytes(std::span(said)), int(first));
+  throw AgreedError(insitu_status(agreed), numbered(int(first), size) + ": " + said,
+                    world.is_root());
+}
+
 double seconds_by(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
@@ -112,64 +157,54 @@ void World::send(std::span<const Outgoing> out, std::span<const Incoming> in) {
 void World::reduce(std::span<double> values, Reduction reduction) {
   if (reduction == Reduction::sum)
     throw core::Error(INSITU_ERROR_INTERNAL, "a sum of doubles over processes has no order");
-  std::vector<std::int64_t> keys(values.size());
+  if (size() == 1)
+    return;
+  std::int64_t few[64]; // as most calls have: no memory to agree on
+  std::vector<std::int64_t> many;
+  std::span<std::int64_t> keys(few, std::min(values.size(), std::size(few)));
+  if (values.size() > std::size(few)) {
+    agree_after([&] { many.resize(values.size()); });
+    keys = many;
+  }
   std::transform(values.begin(), values.end(), keys.begin(), ordered);
-  reduce(std::span(keys), reduction);
+  reduce(keys, reduction);
   std::transform(keys.begin(), keys.end(), values.begin(), number_of);
 }
 
 std::string World::broadcast(const std::string& text, int root) {
   std::int64_t length = rank() == root ? std::int64_t(text.size()) : 0;
   broadcast(std::as_writable_bytes(std::span(&length, 1)), root);
-  std::string all = rank() == root ? text : std::string(std::size_t(length), '\0');
+  std::string all;
+  const auto take = [&] { all = rank() == root ? text : std::string(std::size_t(length), '\0'); };
+  if (std::size_t(length) > all.capacity())
+    agree_after(take);
+  else
+    take();
   broadcast(bytes_of(all), root);
   return all;
 }
 
 void World::agree(const core::Error* failure) {
-  if (size() == 1) {
-    if (failure)
-      throw AgreedError(failure->status(), failure->what(), true);
-    return;
-  }
-  std::int64_t first = failure ? rank() : size();
-  reduce(std::span(&first, 1), Reduction::least);
-  if (first == size())
-    return;
-  // What it said is cut, so that every process has the room for it.
-  char said[longest_message] = {};
-  std::int64_t status = 0;
-  if (rank() == first) {
-    status = failure->status();
-    const std::string what = failure->what();
-    what.copy(said, sizeof said - 1);
-  }
-  broadcast(std::as_writable_bytes(std::span(&status, 1)), int(first));
-  broadcast(std::as_writable_bytes(std::span(said)), int(first));
-  throw AgreedError(insitu_status(status), numbered(int(first), size()) + ": " + said, is_root());
+  agree_on(*this, failure ? failure->status() : INSITU_OK, failure ? failure->what() : "");
 }
 
 void World::agree_after(core::FunctionRef<void()> work) {
-  std::optional<core::Error> failure;
-  try {
-    work();
-  } catch (const core::Error& e) {
-    failure = e;
-  } catch (const std::bad_alloc&) {
-    failure.emplace(INSITU_ERROR_MEMORY, "out of memory");
-  } catch (const std::exception& e) {
-    failure.emplace(INSITU_ERROR_INTERNAL, e.what());
-  }
-  agree(failure ? &*failure : nullptr);
+  const Outcome outcome(work);
+  agree_on(*this, outcome.status, outcome.said);
 }
 
-void World::require_same(const std::vector<Named>& mine) {
+void World::require_same(core::FunctionRef<std::vector<Named>()> make) {
   if (size() == 1)
     return;
+  std::vector<Named> mine;
+  const Outcome outcome([&] { mine = make(); });
   const auto hash = std::bit_cast<std::int64_t>(hash_of(mine));
-  std::int64_t least_and_greatest[] = {hash, ~hash};
-  reduce(std::span(least_and_greatest), Reduction::least);
-  if (least_and_greatest[0] == ~least_and_greatest[1])
+  const bool has_failed = outcome.status != INSITU_OK;
+  std::int64_t least[] = {hash, ~hash, has_failed ? 0 : 1};
+  reduce(std::span(least), Reduction::least);
+  if (least[2] == 0)
+    agree_on(*this, outcome.status, outcome.said);
+  if (least[0] == ~least[1])
     return;
   // The root's values, one after the other, until one differs somewhere.
   std::int64_t count = std::int64_t(mine.size());
@@ -230,6 +265,7 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
       if (int(r) != rank() && to[r] > 0)
         out.push_back({int(r), std::as_bytes(std::span(lengths_out[r]))});
     }
+    prepare(out, in);
   });
   send(out, in);
   agree_after([&] {
@@ -249,6 +285,7 @@ std::vector<Parcel> World::exchange(std::span<const Parcel> parcels) {
         received[own++].bytes = p.bytes;
       else if (!p.bytes.empty())
         out.push_back({p.rank, p.bytes});
+    prepare(out, in);
   });
   send(out, in);
   return received;

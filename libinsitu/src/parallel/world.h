@@ -90,8 +90,9 @@ public:
   void agree_after(core::FunctionRef<void()> work);
 
   /// Throws an AgreedError (INSITU_ERROR_ARGUMENT) on all processes unless all have the same values
-  /// by the same names: the message tells the first difference, and who has which value.
-  void require_same(const std::vector<Named>& mine);
+  /// by the same names: the message tells the first difference, and who has which value. The call
+  /// of mine() may fail, as in agree_after().
+  void require_same(core::FunctionRef<std::vector<Named>()> mine);
 
   /// Sends each parcel to its receiver, and returns the parcels for this process in the order of
   /// their senders, those of one sender in its order. Memory is taken and agreed on before anything
@@ -120,6 +121,8 @@ protected:
   virtual void do_broadcast(std::span<std::byte> bytes, int root) = 0;
   /// to[r] goes to process r; from[r] is what process r has for this one.
   virtual void swap_numbers(std::span<const std::int64_t> to, std::span<std::int64_t> from) = 0;
+  /// Takes the memory of the transfer that follows. Not collective.
+  virtual void prepare(std::span<const Outgoing>, std::span<const Incoming>) {}
   /// Both sides know all lengths; none is empty, and none is from a process to itself.
   virtual void transfer(std::span<const Outgoing> out, std::span<const Incoming> in) = 0;
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "api/mpi/main.h"
@@ -15,6 +15,7 @@
 namespace {
 
 thread_local bool counts = false;
+thread_local std::size_t least = insitu::test::least_bytes; ///< of a piece that counts
 thread_local std::int64_t taken = 0;    ///< pieces, while they count
 thread_local std::int64_t lacking = -1; ///< the number of the piece that is not had; -1: none
 thread_local bool has_failed = false;
@@ -22,7 +23,7 @@ thread_local bool has_failed = false;
 } // namespace
 
 bool insitu::test::lacks(std::size_t bytes) {
-  if (!counts || bytes < least_bytes || taken++ != lacking)
+  if (!counts || bytes < least || taken++ != lacking)
     return false;
   return has_failed = true;
 }
@@ -55,7 +56,7 @@ struct Solver {
     options.threads = 1;
     options.log = [](insitu::LogLevel, const char*) {};
   }
-  void open() { session = std::make_unique<insitu::Session>(options); }
+  void open() { session.emplace(options); }
   void give() {
     insitu::Mesh mesh = session->mesh("m");
     slab.give(mesh);
@@ -70,30 +71,25 @@ struct Solver {
     if (!session->execute(cycle, 0.5 * cycle))
       throw insitu::Error(INSITU_ERROR_ACTION, insitu_last_message());
   }
-  /// By the functions in C, since those of C++ take memory of their own.
   void ask() {
     constexpr int count = 100;
-    double points[3 * count], values[count], *const all[] = {values};
+    double points[3 * count];
     for (int i = 0; i < count; ++i) {
       points[3 * i] = 3.0;
       points[3 * i + 1] = 2.5;
       points[3 * i + 2] = 0.06 * i;
     }
-    const char* const field = "p";
-    insitu_sample_args args = insitu_sample_args_default();
-    const insitu_array where = insitu_array_of(points, INSITU_FLOAT64, count, 3);
-    args.locate.points = &where;
-    args.locate.point_arrays = 1;
-    args.locate.scope = INSITU_SCOPE_EVERYWHERE;
-    args.fields = &field;
-    args.field_count = 1;
-    args.values = all;
-    insitu::detail::check(insitu_mesh_sample(session->mesh("m").handle(), &args));
+    insitu::LocateOptions everywhere;
+    everywhere.everywhere = true;
+    const insitu::Mesh mesh = session->mesh("m");
+    mesh.locate(insitu::Points(points, count), everywhere);
+    mesh.sample("p", insitu::Points(points, count), everywhere);
+    mesh.sample_fields({"p", "c"}, insitu::Points(points, count), everywhere);
   }
 
   insitu::Options options;
   Slab slab;
-  std::unique_ptr<insitu::Session> session;
+  std::optional<insitu::Session> session;
   bool given = false;
 };
 
@@ -169,8 +165,7 @@ bool fails_without(const Phase& phase, int failing, std::int64_t piece) {
 }
 
 /// So many pieces of each phase, from its first to its last, on each process in turn;
-/// INSITU_LACK_TRIES: another number of them. Not the very first of opening, which is lacked before
-/// there is a communicator of the session's to agree by: the others would wait for it.
+/// INSITU_LACK_TRIES: another number of them.
 TEST(Faults, MemoryThatLacksInAnyPhaseOfAnyCall) {
   const char* const given = std::getenv("INSITU_LACK_TRIES");
   const int tries = given ? std::atoi(given) : 9;
@@ -183,10 +178,33 @@ TEST(Faults, MemoryThatLacksInAnyPhaseOfAnyCall) {
     solver.session.reset();
     int failures = 0;
     for (int i = 0; i < tries && !any(HasFailure()); ++i)
-      failures += fails_without(phase, i % size(),
-                                std::max<std::int64_t>(2, pieces * (2 * i + 1) / (2 * tries)));
+      failures += fails_without(phase, i % size(), pieces * (2 * i + 1) / (2 * tries));
     EXPECT_GT(failures, 0) << phase.name;
   }
+}
+
+/// Each piece of opening, however small, one process after the other: from before there is a
+/// communicator of the session's until the scene is read.
+TEST(Faults, EachPieceOfMemoryThatLacksInOpening) {
+  const Phase opening{"open", [](Solver&) {},
+                      [](Solver& s) {
+                        s.options.scene_text = "insitu: 1";
+                        s.open();
+                      }};
+  least = 1;
+  std::int64_t most = 0;
+  for (int i = 0; i < 2; ++i) { // the first one takes what stays
+    Solver solver("faults");
+    taken = 0;
+    ASSERT_EQ(said_by(solver, opening.call), "");
+    most = taken;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
+  int failures = 0;
+  for (std::int64_t piece = 0; piece < most && !any(HasFailure()); ++piece)
+    failures += fails_without(opening, int(piece % size()), piece);
+  EXPECT_GT(failures, most / 2);
+  least = insitu::test::least_bytes;
 }
 
 } // namespace

@@ -9,7 +9,7 @@
 namespace insitu::test {
 namespace {
 
-std::unique_ptr<parallel::World> world_of(MPI_Comm communicator) {
+std::shared_ptr<parallel::World> world_of(MPI_Comm communicator) {
   return parallel::make_mpi_world(&communicator, INSITU_NO_COMMUNICATOR, core::Log());
 }
 

@@ -14,6 +14,7 @@ public:
              const Deal& deal, const std::string& scene, const std::string& folder)
       : session_(options_of(scene, folder, this),
                  std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
+    session_.open(options_of(scene, folder, this));
     give(world, whole, how, deal);
   }
   /// The mesh, or another one.

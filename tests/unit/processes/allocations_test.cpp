@@ -43,7 +43,7 @@ struct Attempt {
     }
     failed = world.rank() == failing && until_failure < 0;
     until_failure = -1;
-    world.require_same({{"said", said}});
+    world.require_same([&] { return std::vector<parallel::Named>{{"said", said}}; });
     std::int64_t any = failed;
     world.reduce(std::span(&any, 1), parallel::Reduction::greatest);
     failed = any != 0;

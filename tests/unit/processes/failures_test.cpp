@@ -154,20 +154,16 @@ TEST(ProcessFailures, NothingIsNoFailure) {
   const TestMesh whole = jittered_cubes(2);
   const OwnFolder folder;
   run_processes(processes, [&](parallel::World& world) {
-    api::Session session(
-        [&] {
-          insitu_session_options o = insitu_session_options_default();
-          o.scene_text = "insitu: 1\npage: false\nprobes:\n"
-                         "  - {name: first, points: [[1, 1, 1]], fields: [f]}\n"
-                         "  - {name: second, mesh: b, points: [[1, 1, 1]], fields: [f]}\n"
-                         "  - {name: all, mesh: b, points: [[1, 1, 1]]}\n";
-          static thread_local std::string output;
-          output = folder / "out";
-          o.output = output.c_str();
-          o.threads = 1;
-          return o;
-        }(),
-        std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+    insitu_session_options o = insitu_session_options_default();
+    o.scene_text = "insitu: 1\npage: false\nprobes:\n"
+                   "  - {name: first, points: [[1, 1, 1]], fields: [f]}\n"
+                   "  - {name: second, mesh: b, points: [[1, 1, 1]], fields: [f]}\n"
+                   "  - {name: all, mesh: b, points: [[1, 1, 1]]}\n";
+    const std::string output = folder / "out";
+    o.output = output.c_str();
+    o.threads = 1;
+    api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+    session.open(o);
     session.mesh(world.rank() == 1 ? "b" : "a");
     if (world.rank() < 2)
       session.mesh(world.rank() == 1 ? "a" : "b");

@@ -47,6 +47,7 @@ public:
       : whole_(&whole), ids_(options.ids), frame_(options.frame),
         part_(std::in_place, whole, partition, world.rank()),
         session_(options_of(options), std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
+    session_.open(options_of(options));
     give();
   }
 

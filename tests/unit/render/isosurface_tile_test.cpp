@@ -52,7 +52,7 @@ void expect_same(const query::Sampler& sampler, const std::vector<IsosurfaceSett
 
 TEST_P(Tiles, HitsAreThoseOfRays) {
   for (const double jitter : {0.0, 0.15, 0.35}) {
-    PlacedMesh mesh(placed(7, GetParam(), {1, 1, 1}, {0, 0, 0}, jitter));
+    PlacedMesh mesh(placed(along_axis(7, GetParam()), GetParam(), {1, 1, 1}, {0, 0, 0}, jitter));
     for (const auto of : {sphere, gyroid}) {
       const render::ScalarField field = mesh.field(at_vertices(mesh.cells, of));
       std::vector<double> levels{0.4, 0.25};

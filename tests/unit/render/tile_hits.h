@@ -61,10 +61,12 @@ struct Compared {
     for (std::size_t i = 0; same && i < right.size(); ++i) {
       const double off =
           std::fabs(found[i].t - right[i].t) / std::max(right[i].extent, found[i].extent);
-      // Where a cell folds, that search can take a place for a root that is none.
-      same = found[i].surface == right[i].surface &&
-             (off < 1e-6 || (is_root(tracer, ray, found[i]) && !is_root(tracer, ray, right[i])));
-      if (same && off < 1e-6)
+      // Where a cell folds, its inverse map jumps from one sheet to the other, and that search can
+      // take the jump for a root that is none, near to one or not.
+      const bool is_better =
+          off > 1e-10 && is_root(tracer, ray, found[i]) && !is_root(tracer, ray, right[i]);
+      same = found[i].surface == right[i].surface && (off < 1e-6 || is_better);
+      if (same && !is_better)
         worst = std::max(worst, off);
     }
     if (same || other++ > 0)

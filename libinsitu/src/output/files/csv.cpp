@@ -80,37 +80,47 @@ bool take_csv_record(std::string_view& text, std::vector<CsvCell>& cells) {
   return true;
 }
 
-std::string& CsvRows::next() {
-  if (cells_++ > 0)
-    text_.push_back(',');
-  return text_;
+template <class Value>
+CsvRows& CsvRows::add(void (*append)(std::string&, Value), Value value) {
+  try {
+    if (cells_ > 0)
+      text_.push_back(',');
+    append(text_, value);
+    if (cells_ + 1 == columns_)
+      text_.reserve(text_.size() + 1); // for the row's end
+  } catch (...) {
+    drop_row();
+    throw;
+  }
+  ++cells_;
+  return *this;
 }
 
 CsvRows& CsvRows::cell(double value) {
-  append_number(next(), value);
-  return *this;
+  return add<double>(append_number, value);
 }
 
 CsvRows& CsvRows::cell(float value) {
-  append_number(next(), value);
-  return *this;
+  return add<float>(append_number, value);
 }
 
 CsvRows& CsvRows::cell(std::int64_t value) {
-  append_number(next(), value);
-  return *this;
+  return add<std::int64_t>(append_number, value);
 }
 
 CsvRows& CsvRows::cell(std::string_view value) {
-  append_text(next(), value);
-  return *this;
+  return add<std::string_view>(append_text, value);
+}
+
+void CsvRows::drop_row() {
+  text_.resize(whole_);
+  cells_ = 0;
 }
 
 void CsvRows::end_row() {
   if (cells_ != columns_) {
     const std::size_t given = cells_;
-    text_.resize(whole_);
-    cells_ = 0;
+    drop_row();
     throw core::Error(INSITU_ERROR_INTERNAL, "row of " + std::to_string(given) +
                                                  " cells in a table of " +
                                                  std::to_string(columns_) + " columns");

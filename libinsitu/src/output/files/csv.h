@@ -51,7 +51,10 @@ public:
   void clear();
 
 private:
-  std::string& next();
+  void drop_row();
+  /// Appends a cell; a row in which that fails is taken back.
+  template <class Value>
+  CsvRows& add(void (*append)(std::string&, Value), Value value);
 
   std::size_t columns_;
   std::size_t cells_ = 0;

@@ -6,18 +6,17 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <signal.h>
-#include <sstream>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 
+#include "core/text.h"
 #include "output/files/atomic_file.h"
 #include "output/files/file_system.h"
 
@@ -46,20 +45,18 @@ struct Holder {
 std::optional<std::string> start_of(long process) {
   if (::kill(pid_t(process), 0) != 0 && errno == ESRCH)
     return std::nullopt;
-  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
-  std::string line;
-  std::getline(in, line);
-  const std::size_t name_end = line.rfind(')'); // names may hold anything
-  if (name_end == std::string::npos)
+  const std::string line =
+      core::read_file("/proc/" + std::to_string(process) + "/stat").value_or("");
+  std::size_t at = line.rfind(')'); // names may hold anything
+  if (at == std::string::npos)
     return std::string();
-  std::istringstream words(line.substr(name_end + 1));
-  std::string word;
-  words >> word;
-  if (word == "Z" || word == "X")
+  const std::string state = line.substr(at, 3);
+  if (state == ") Z" || state == ") X")
     return std::nullopt;
-  for (int i = 0; i < 19; ++i)
-    words >> word;
-  return words ? word : std::string();
+  for (int i = 0; i < 20 && at != std::string::npos; ++i) // words, each after a space
+    at = line.find(' ', at + 1);
+  return at == std::string::npos ? std::string()
+                                 : line.substr(at + 1, line.find(' ', at + 1) - at - 1);
 }
 
 Holder myself() {
@@ -86,15 +83,15 @@ std::string text_of(const Holder& h) {
 }
 
 std::optional<Holder> holder_in(const std::string& text) {
-  std::istringstream lines(text);
-  std::string line;
+  std::string_view rest = text;
   Holder h;
-  if (!std::getline(lines, line) || line != first_line)
+  if (core::take_line(rest) != first_line)
     return std::nullopt;
   const auto value_of = [&](std::string_view key, std::string& value) {
-    if (!std::getline(lines, line) || !line.starts_with(key) || lines.eof())
+    const std::optional<std::string_view> line = core::take_line(rest);
+    if (!line || !line->starts_with(key))
       return false;
-    value = line.substr(key.size());
+    value = line->substr(key.size());
     return true;
   };
   std::string process;

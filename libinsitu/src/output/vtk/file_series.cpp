@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <string_view>
 
 #include "core/status.h"
+#include "core/text.h"
 #include "output/files/atomic_file.h"
 #include "output/files/csv.h"
 #include "output/vtk/xml_text.h"
@@ -136,9 +137,13 @@ FileSeries::FileSeries(std::string path, bool resume, bool backward)
   if (!resume || !std::filesystem::exists(path_, error))
     return;
   const Form& form = form_of(path_);
-  std::ifstream in(path_);
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
+  const std::optional<std::string> text = core::read_file(path_);
+  if (!text)
+    throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path_ + "'");
+  std::string_view rest = *text;
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    const std::string line(rest.substr(0, rest.find('\n')));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     double time = 0;
     std::string file;
     if (form.parse_entry(line, time, file)) {
@@ -150,8 +155,6 @@ FileSeries::FileSeries(std::string path, bool resume, bool backward)
                                                " was not written by this library");
     }
   }
-  if (in.bad() || !in.eof())
-    throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path_ + "'");
   resumed_ = entries_.size();
 }
 

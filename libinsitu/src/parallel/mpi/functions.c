@@ -12,6 +12,8 @@ struct insitu_mpi_world {
   int rank, size;
   int missing; /* a process that did not come, after which nothing is sent any more; or -1 */
   int told;    /* what the root says of that; here, as a message may come late */
+  MPI_Request* requests; /* room for those of a call */
+  size_t room;
 };
 
 static size_t longest = (size_t)1 << 30;
@@ -62,15 +64,38 @@ static int close_world(insitu_mpi_world* world, char* message) {
   const int status = check(message);
   if (status == INSITU_MPI_OK && world->missing < 0)
     MPI_Comm_free(&world->communicator);
-  if (world->missing < 0)
+  if (world->missing < 0) {
+    free(world->requests);
     free(world);
+  }
   return status;
 }
 
-static int open_world(const void* given, int fortran, insitu_mpi_world** made, int* rank, int* size,
-                      int* on_this_node, int* single_threaded, char* message) {
+static int make_room(insitu_mpi_world* world, size_t requests, char* message) {
+  if (requests <= world->room)
+    return INSITU_MPI_OK;
+  MPI_Request* const more = malloc(requests * sizeof *more);
+  if (!more)
+    return fail(INSITU_MPI_MEMORY, message, "out of memory for MPI's requests");
+  free(world->requests);
+  world->requests = more;
+  world->room = requests;
+  return INSITU_MPI_OK;
+}
+
+/* The lowest rank of those that have no memory for their part of a world; their number if all have
+ * it. */
+static int find_lacking(MPI_Comm communicator, int lacks, int rank, int size) {
+  int first = lacks ? rank : size;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, communicator);
+  return first;
+}
+
+static int open_world(const void* given, int fortran, int lacks, insitu_mpi_world** made, int* rank,
+                      int* size, int* on_this_node, int* single_threaded, char* message) {
   int status = check(message), inter = 0, error = MPI_SUCCESS, level = MPI_THREAD_SINGLE;
-  MPI_Comm node = MPI_COMM_NULL;
+  MPI_Comm own = MPI_COMM_NULL, node = MPI_COMM_NULL;
+  *rank = -1;
   if (status != INSITU_MPI_OK)
     return status;
   const MPI_Comm communicator = given ? *(const MPI_Comm*)given : MPI_Comm_f2c((MPI_Fint)fortran);
@@ -80,22 +105,31 @@ static int open_world(const void* given, int fortran, insitu_mpi_world** made, i
   if (inter)
     return fail(INSITU_MPI_ARGUMENT, message,
                 "communicator: an intercommunicator, an intracommunicator expected");
-  insitu_mpi_world* world = malloc(sizeof *world);
-  if (!world)
-    return fail(INSITU_MPI_FAILED, message, "out of memory");
-  error = MPI_Comm_dup(communicator, &world->communicator);
-  if (error != MPI_SUCCESS) {
-    free(world);
+  error = MPI_Comm_dup(communicator, &own);
+  if (error != MPI_SUCCESS)
     return failed("MPI_Comm_dup", error, message);
+  MPI_Comm_set_errhandler(own, MPI_ERRORS_RETURN);
+  MPI_Comm_rank(own, rank);
+  MPI_Comm_size(own, size);
+  /* With room for what waiting for all needs. */
+  insitu_mpi_world* world = lacks ? NULL : malloc(sizeof *world);
+  MPI_Request* requests = world ? malloc((size_t)*size * sizeof *requests) : NULL;
+  const int lacking = find_lacking(own, !requests, *rank, *size);
+  if (lacking < *size) {
+    free(world);
+    free(requests);
+    MPI_Comm_free(&own);
+    snprintf(message, INSITU_MPI_MESSAGE, "process %d of %d: out of memory", lacking, *size);
+    return INSITU_MPI_MEMORY;
   }
-  MPI_Comm_set_errhandler(world->communicator, MPI_ERRORS_RETURN);
-  MPI_Comm_rank(world->communicator, rank);
-  MPI_Comm_size(world->communicator, size);
-  world->rank = *rank;
-  world->size = *size;
-  world->missing = -1;
+  *world = (insitu_mpi_world){.communicator = own,
+                              .rank = *rank,
+                              .size = *size,
+                              .missing = -1,
+                              .requests = requests,
+                              .room = (size_t)*size};
   *on_this_node = 1;
-  error = MPI_Comm_split_type(world->communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  error = MPI_Comm_split_type(own, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   if (error == MPI_SUCCESS && node != MPI_COMM_NULL) {
     MPI_Comm_size(node, on_this_node);
     MPI_Comm_free(&node);
@@ -157,11 +191,7 @@ static int wait_for_all(insitu_mpi_world* world, double seconds, int* missing, c
   const double begin = MPI_Wtime();
   MPI_Request request = MPI_REQUEST_NULL;
   if (world->rank == 0) {
-    MPI_Request* coming = malloc((size_t)world->size * sizeof *coming);
-    if (!coming)
-      return fail(INSITU_MPI_FAILED, message, "out of memory for MPI's requests");
-    world->told = find_missing(world, coming, begin + seconds);
-    free(coming);
+    world->told = find_missing(world, world->requests, begin + seconds);
     for (int r = 1; r < world->size; ++r) { /* those that are not here may come yet */
       MPI_Isend(&world->told, 1, MPI_INT, r, tag_verdict, world->communicator, &request);
       await(&request, MPI_Wtime() + 1);
@@ -227,21 +257,21 @@ static size_t pieces_of(const insitu_mpi_part* parts, size_t count) {
   return pieces;
 }
 
+static int prepare(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
+                   const insitu_mpi_part* in, size_t in_count, char* message) {
+  enum { at_once = 1 << 20 };
+  const size_t most = pieces_of(in, in_count) + pieces_of(out, out_count);
+  if (most > at_once)
+    return fail(INSITU_MPI_FAILED, message, "more than 2^20 messages of a process at once");
+  return make_room(world, most, message);
+}
+
 /* Messages between two processes keep their order, so one tag does for all. */
 static int transfer(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
                     const insitu_mpi_part* in, size_t in_count, char* message) {
-  enum { tag = 1, at_once = 1 << 20 };
+  enum { tag = 1 };
   int status = check_world(world, message);
-  if (status != INSITU_MPI_OK)
-    return status;
-  const size_t most = pieces_of(in, in_count) + pieces_of(out, out_count);
-  if (most == 0)
-    return INSITU_MPI_OK;
-  if (most > at_once)
-    return fail(INSITU_MPI_FAILED, message, "more than 2^20 messages of a process at once");
-  MPI_Request* requests = malloc(most * sizeof *requests);
-  if (!requests)
-    return fail(INSITU_MPI_FAILED, message, "out of memory for MPI's requests");
+  MPI_Request* const requests = world->requests;
   size_t started = 0;
   for (int sends = 0; sends < 2 && status == INSITU_MPI_OK; ++sends) {
     const insitu_mpi_part* parts = sends ? out : in;
@@ -263,7 +293,6 @@ static int transfer(insitu_mpi_world* world, const insitu_mpi_part* out, size_t 
   const int error = MPI_Waitall((int)started, requests, MPI_STATUSES_IGNORE);
   if (status == INSITU_MPI_OK && error != MPI_SUCCESS)
     status = failed("MPI_Waitall", error, message);
-  free(requests);
   return status;
 }
 
@@ -282,6 +311,7 @@ const insitu_mpi_functions* insitu_mpi(void) {
                                                  .reduce = reduce,
                                                  .broadcast = broadcast,
                                                  .swap_numbers = swap_numbers,
+                                                 .prepare = prepare,
                                                  .transfer = transfer,
                                                  .set_longest = set_longest};
   return &functions;

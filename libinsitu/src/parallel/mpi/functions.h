@@ -11,14 +11,15 @@
 extern "C" {
 #endif
 
-enum { INSITU_MPI_VERSION = 1, INSITU_MPI_MESSAGE = 1024 };
+enum { INSITU_MPI_VERSION = 2, INSITU_MPI_MESSAGE = 1024 };
 enum { INSITU_MPI_SUM, INSITU_MPI_LEAST, INSITU_MPI_GREATEST };
 enum {
   INSITU_MPI_OK,
   INSITU_MPI_FAILED,   /* MPI said so */
   INSITU_MPI_ORDER,    /* MPI is not initialised yet, or finalised already */
   INSITU_MPI_ARGUMENT, /* what is given is no communicator to work on */
-  INSITU_MPI_THREAD    /* not the thread that may call MPI */
+  INSITU_MPI_THREAD,   /* not the thread that may call MPI */
+  INSITU_MPI_MEMORY    /* a process lacks memory */
 };
 
 typedef struct insitu_mpi_world insitu_mpi_world;
@@ -32,9 +33,11 @@ typedef struct insitu_mpi_part {
 typedef struct insitu_mpi_functions {
   int version;
   /* Duplicates the communicator at an address, or with none that of a Fortran integer; collective
-   * over it. level: of MPI_Query_thread. */
-  int (*open)(const void* communicator, int fortran_communicator, insitu_mpi_world** world,
-              int* rank, int* size, int* on_this_node, int* single_threaded, char* message);
+   * over it. lacks: the caller has no memory for its part. If any process has none, all say so
+   * alike. *rank is known in any case, or -1. */
+  int (*open)(const void* communicator, int fortran_communicator, int lacks,
+              insitu_mpi_world** world, int* rank, int* size, int* on_this_node,
+              int* single_threaded, char* message);
   /* Whether MPI may be called now, by this thread; not collective. */
   int (*check)(char* message);
   /* Frees the communicator unless MPI is finalised; collective. */
@@ -46,6 +49,10 @@ typedef struct insitu_mpi_functions {
   int (*broadcast)(insitu_mpi_world* world, void* bytes, size_t size, int root, char* message);
   /* A number to and from each process. */
   int (*swap_numbers)(insitu_mpi_world* world, const int64_t* to, int64_t* from, char* message);
+  /* Takes memory for the transfer of these parts; not collective. */
+  int (*prepare)(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
+                 const insitu_mpi_part* in, size_t in_count, char* message);
+  /* Of what was prepared. */
   int (*transfer)(insitu_mpi_world* world, const insitu_mpi_part* out, size_t out_count,
                   const insitu_mpi_part* in, size_t in_count, char* message);
   /* Messages of more bytes than this go in pieces; returns what it was. At most 2^30, as it is

@@ -1,12 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
-#include <sstream>
 #include <yaml-cpp/yaml.h>
 
 #include "core/status.h"
 #include "core/suggest.h"
+#include "core/text.h"
 #include "render/color/color_map.h"
 
 namespace insitu::render {
@@ -261,11 +260,10 @@ ColorMap parse_color_map(const std::string& text, const std::string& source,
 }
 
 ColorMap load_color_map(const std::string& path, const std::string& name) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
+  const std::optional<std::string> text = core::read_file(path);
+  if (!text || text->empty())
     throw core::Error(INSITU_ERROR_FILE, "colour map file '" + path + "' cannot be read");
-  return parse_color_map(text.str(), "'" + path + "'", name);
+  return parse_color_map(*text, "'" + path + "'", name);
 }
 
 } // namespace insitu::render

@@ -3,11 +3,10 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "core/status.h"
+#include "core/text.h"
 #include "render/surface/triangle_mesh.h"
 
 namespace insitu::render {
@@ -23,16 +22,10 @@ constexpr std::size_t most_triangles = std::numeric_limits<std::uint32_t>::max()
 }
 
 std::string read_all(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes;
-  if (file) {
-    std::ostringstream text;
-    text << file.rdbuf();
-    bytes = std::move(text).str();
-  }
-  if (!file)
+  std::optional<std::string> bytes = core::read_file(path);
+  if (!bytes)
     throw core::Error(INSITU_ERROR_FILE, "cannot read '" + path + "': " + std::strerror(errno));
-  return bytes;
+  return std::move(*bytes);
 }
 
 std::uint32_t load_uint32(const char* p) {

@@ -1,6 +1,6 @@
 #include "scene/earth/geocentric_mesh.h"
 
-#include <sstream>
+#include <cstdio>
 
 #include "core/status.h"
 #include "geo/reference_frames.h"
@@ -14,9 +14,9 @@ namespace {
 constexpr double lowest = -6.0e6;
 
 std::string text(double number) {
-  std::ostringstream out;
-  out << number;
-  return out.str();
+  char out[32];
+  std::snprintf(out, sizeof out, "%g", number);
+  return out;
 }
 
 } // namespace

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "core/status.h"
+#include "core/text.h"
 #include "core/unsigned_zero.h"
 #include "output/files/atomic_file.h"
 #include "scene/run/growing_table.h"
@@ -44,7 +43,7 @@ void add_once(std::vector<std::string>& all, const std::string& one) {
 }
 
 /// The cells of a line of CSV without its end.
-std::vector<std::string> cells_of(const std::string& line) {
+std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -63,11 +62,12 @@ std::vector<std::string> cells_of(const std::string& line) {
 /// Gives the file the columns of both, unless it is absent, empty, or has them already. Returns
 /// them.
 std::vector<std::string> merge_columns(const std::string& path, std::vector<std::string> columns) {
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  if (!in || !std::getline(in, line) || in.eof())
+  const std::string text = core::read_file(path).value_or("");
+  std::string_view rest = text;
+  std::optional<std::string_view> line = core::take_line(rest);
+  if (!line)
     return columns;
-  const std::vector<std::string> before = cells_of(line);
+  const std::vector<std::string> before = cells_of(*line);
   if (before == columns)
     return columns;
   if (before.front() != "cycle" || before.back() != "FILE")
@@ -78,8 +78,8 @@ std::vector<std::string> merge_columns(const std::string& path, std::vector<std:
       add_once(columns, column);
   columns.emplace_back("FILE");
   output::CsvRows rows(columns.size());
-  while (std::getline(in, line) && !in.eof()) {
-    const std::vector<std::string> cells = cells_of(line);
+  while ((line = core::take_line(rest))) {
+    const std::vector<std::string> cells = cells_of(*line);
     for (const std::string& column : columns) {
       const auto at = std::size_t(std::find(before.begin(), before.end(), column) - before.begin());
       rows.cell(std::string_view(at < cells.size() ? cells[at] : std::string()));

@@ -54,9 +54,11 @@ void ProbeAction::keep(core::Archive& archive) {
 void ProbeAction::resolve(const commit::CommittedMesh& mesh) {
   parallel::World& world = environment_.world;
   const std::string text = read_points_for_all(probe_.points, world);
+  std::optional<ScenePoints> points; // nobody has them unless all do
   world.agree_after([&] {
-    points_ = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file, &text);
+    points = resolve_points(probe_.points, probe_.frame, mesh, environment_.scene_file, &text);
   });
+  points_ = std::move(points);
 }
 
 /// All of the first time: a table keeps its columns. Returns false if the fields that the mesh will
@@ -67,8 +69,12 @@ bool ProbeAction::name_fields(const commit::CommittedMesh& mesh) {
   const std::vector<std::string> names = field_names_of_all(mesh, environment_.world);
   if (names.empty() && cells_of_all(mesh.mesh(), environment_.world) == 0)
     return false;
-  for (const std::string& name : names)
-    probe_.fields.push_back({name, probe_.line});
+  std::vector<Name> fields; // nobody has them unless all do
+  environment_.world.agree_after([&] {
+    for (const std::string& name : names)
+      fields.push_back({name, probe_.line});
+  });
+  probe_.fields = std::move(fields);
   return true;
 }
 

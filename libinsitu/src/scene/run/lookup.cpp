@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "core/status.h"
 #include "core/suggest.h"
+#include "core/text.h"
 
 namespace insitu::scene {
 
@@ -86,35 +86,28 @@ std::vector<std::string> field_names_of_all(const commit::CommittedMesh& mesh,
   std::vector<std::string> names = mesh.mesh().field_names();
   if (world.size() == 1)
     return names;
-  const auto joined = [](const std::vector<std::string>& list) {
-    std::string text;
-    for (const std::string& name : list)
-      text.append(name).push_back('\0'); // names hold any byte but that
-    return text;
-  };
-  const auto parted = [](const std::string& text) {
-    std::istringstream in(text);
-    std::vector<std::string> list;
-    for (std::string name; std::getline(in, name, '\0');)
-      list.push_back(name);
-    return list;
-  };
-  const std::string mine = joined(names);
+  std::string mine, all;
+  world.agree_after([&] {
+    for (const std::string& name : names)
+      core::join(mine, name);
+  });
   std::map<int, std::string> lists;
   world.gather(std::as_bytes(std::span(mine.data(), mine.size())), std::size_t(1) << 20,
                [&](int rank, std::span<const std::byte> bytes) {
                  lists[rank].append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
                });
-  std::string all;
   world.agree_after([&] {
     names.clear();
     for (const auto& [rank, list] : lists)
-      for (const std::string& name : parted(list))
-        if (std::find(names.begin(), names.end(), name) == names.end())
+      for (const std::string& name : core::parted(list))
+        if (std::find(names.begin(), names.end(), name) == names.end()) {
           names.push_back(name);
-    all = joined(names);
+          core::join(all, name);
+        }
   });
-  return parted(world.broadcast(all));
+  all = world.broadcast(all);
+  world.agree_after([&] { names = core::parted(all); });
+  return names;
 }
 
 std::int64_t cells_of_all(const mesh::Mesh& mesh, parallel::World& world) {
