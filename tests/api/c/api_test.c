@@ -221,7 +221,7 @@ static void test_errors(void) {
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ARGUMENT, "data is null");
   a = insitu_array_of(points, INSITU_FLOAT64, -12, 3);
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ARGUMENT, "-12");
-  a = insitu_array_of(points, INSITU_FLOAT64, 12, 2);
+  a = insitu_array_of(points, INSITU_FLOAT64, 12, 1);
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ARGUMENT, "3 expected");
   a = insitu_array_of(points, INSITU_INT32, 12, 3);
   EXPECT_ERROR(insitu_mesh_points(mesh, 0, &a, 1), INSITU_ERROR_ARGUMENT, "float32 or float64");

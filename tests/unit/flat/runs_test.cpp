@@ -90,6 +90,7 @@ page: false
 tracers:
   - {name: turns, velocity: u, seeds: [[6, 4, 0], [4, 1.5, 50], [2.25, 5.5, -3]], integrator: {method: dopri5, tolerance: 1e-11}, fields: [f], output: [csv]}
   - {name: walls, velocity: u, seeds: [[7.75, 7.5, 0]], effects: [{boundary: slide}], output: [csv]}
+  - {name: blown, velocity: u, seeds: [[4, 4, 0]], effects: [{windage: {field: u, factor: 0.01}}], output: [csv]}
   - {name: leaves, velocity: u, seeds: [[7.75, 7.5, 0]], output: [csv]}
   - {name: spread, velocity: u, seeds: [[4, 4, 0]], effects: [{diffusion: {horizontal: 0.05, vertical: 100, seed: 1}}, {boundary: reflect}], output: [csv]}
 )";
@@ -105,7 +106,7 @@ std::map<std::string, std::string> vortex_files(Kind kind, int components, doubl
   if (log)
     *log = run.log;
   std::map<std::string, std::string> files;
-  for (const char* name : {"turns", "walls", "leaves", "spread"})
+  for (const char* name : {"turns", "walls", "blown", "leaves", "spread"})
     files[name] = content(folder / (std::string(name) + ".csv"));
   return files;
 }

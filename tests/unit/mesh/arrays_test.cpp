@@ -230,7 +230,7 @@ TEST(Arrays, ComponentsMustAgreeWithEachOther) {
   EXPECT_NE(message({ax, ay, ax}).find("count 5"), std::string::npos);
   EXPECT_NE(message({ax, ax, az}).find("float32"), std::string::npos);
   EXPECT_NE(message({ax, pair, ax}).find("one component each"), std::string::npos);
-  EXPECT_NE(message({ax, ax}).find("2 components, 3 expected"), std::string::npos);
+  EXPECT_EQ(message({ax, ax}), "no error"); // of a flat mesh
   EXPECT_NE(message({ax}).find("1 components, 3 expected"), std::string::npos);
   EXPECT_EQ(message({ax, ax, ax}), "no error");
   // Of equal strides but other extents: the second is 2 x 2 where the first is 4 x 1.

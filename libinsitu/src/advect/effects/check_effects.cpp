@@ -55,7 +55,7 @@ void check_vector(const math::Vec3d& v, const std::string& what) {
 void check_effects(const Effects& effects) {
   for (const Drift& d : effects.drifts) {
     if (d.field)
-      check_field(*d.field, "a drift", 1, d.field->now.components == 2 ? 2 : 3);
+      check_field(*d.field, "a drift", 1, effects.is_flat && d.field->now.components == 2 ? 2 : 3);
     check_vector(d.constant, "drift");
     check_vector(d.direction, "direction of a drift");
     if (!std::isfinite(d.factor))

@@ -82,6 +82,7 @@ struct Effects {
   /// The mesh is geocentric: vertical is the ellipsoid's normal at the particle, and the vectors of
   /// `inertia` but the rotation are east, north and up there.
   bool geocentric = false;
+  bool is_flat = false; ///< the mesh is: fields of two components are vectors
 
   bool any() const { return !drifts.empty() || displaces() || bool(removes); }
   /// Whether there is more than the velocity that moves particles.

@@ -191,8 +191,9 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
   const Resolver resolve(mesh, earlier, scene_file);
   advect::Effects to;
   to.geocentric = mesh.reference_frame.kind == INSITU_FRAME_GEOCENTRIC;
+  to.is_flat = mesh.is_flat();
   to.drifts =
-      drifts_of(from, mesh.reference_frame, mesh.is_flat(),
+      drifts_of(from, mesh.reference_frame, to.is_flat,
                 [&](const Name& name, int components) { return resolve.field(name, components); });
   if (from.diffusion) {
     to.diffusion = advect::Diffusion{resolve.coefficient(from.diffusion->horizontal),
