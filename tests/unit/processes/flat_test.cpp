@@ -82,7 +82,7 @@ tracers:
   - {name: paths, velocity: u, kind: pathline, seeds: {box: {min: [1, 1, 0], max: [4, 4, 0], counts: [4, 4, 1]}}, fields: [p, c], output: [csv, vtp]}
   - {name: kept, velocity: u, seeds: {box: {min: [0, 0, 3], max: [5, 5, 3], counts: [4, 4, 1]}}, effects: [{boundary: slide}], output: [csv]}
   - {name: walks, velocity: u, seeds: {box: {min: [2, 2, 0], max: [3, 3, 0], counts: [2, 2, 1]}}, effects: [{diffusion: {horizontal: 0.1, vertical: 5, seed: 3}}], output: [csv]}
-  - {name: lines, velocity: u, kind: streamline, seeds: [[1, 3, 0], [2.2, 2.5, 9]], output: [vtp]}
+  - {name: lines, velocity: u, kind: streamline, integrator: {max_steps: 60}, seeds: [[1, 3, 0], [2.2, 2.5, 9]], output: [vtp]}
 frames:
   - {name: smoke, size: [24, 20], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}}
   - {name: surfaces, size: [24, 24], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], normals: smooth, color: {field: c}}], boundary: {color: {field: u, component: 0}}}
