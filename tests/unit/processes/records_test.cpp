@@ -1,4 +1,7 @@
 // Records of several processes, replayed by one: the files of the run, to the byte.
+#include <csignal>
+#include <sys/resource.h>
+
 #include "insitu/insitu.hpp"
 
 #include "part_session.h"
@@ -88,4 +91,64 @@ TEST(ProcessRecords, AreReplayedByOneProcessToTheByte) {
       EXPECT_TRUE(again.count(name) && again.at(name) == bytes) << partition.name << ": " << name;
     }
   }
+}
+
+/// The disk is full: all processes say so, the record before stays, and the next one works. The
+/// sizes stop the writing in the midst of arrays, and where HDF5 writes its own tables at the end.
+TEST(ProcessRecords, AFullDiskLeavesTheRecordBefore) {
+  MeshOptions grid;
+  grid.size = 4;
+  const TestMesh whole = make_mesh(grid, 3);
+  const OwnFolder folder;
+  PartSession::Options options;
+  options.scene = "insitu: 1\npage: false\n";
+  options.folder = folder / "out";
+  const std::string file = folder / "state.hdf";
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN); // in its place there is an error
+  run_processes(3, [&](parallel::World& world) {
+    PartSession process(world, whole, fixtures::boxes(whole, 3), options);
+    EXPECT_EQ(process.execute(0), "");
+    process.session().record(file);
+    EXPECT_EQ(process.execute(1), "");
+    const std::string before = read_file(file);
+    rlimit limit{};
+    getrlimit(RLIMIT_FSIZE, &limit);
+    for (const std::size_t size : {before.size() / 2, before.size() - 100, std::size_t(10)}) {
+      world.agree_after([&] {
+        rlimit full = limit;
+        full.rlim_cur = size;
+        if (world.is_root())
+          setrlimit(RLIMIT_FSIZE, &full);
+      });
+      std::string said;
+      try {
+        process.session().record(file);
+      } catch (const core::Error& e) {
+        said = e.what();
+      }
+      world.agree_after([&] {
+        if (world.is_root())
+          setrlimit(RLIMIT_FSIZE, &limit);
+      });
+      EXPECT_EQ(said.find("process 0 of 3: cannot write '" + file), 0u) << said;
+      EXPECT_EQ(read_file(file), before);
+    }
+    world.agree_after([] {});
+    process.session().record(file);
+    EXPECT_NE(read_file(file), before);
+    world.agree_after([] {});
+    // Another session that is open writes the same file, or the same records, and is refused.
+    PartSession::Options same = options;
+    same.scene += "record: {every: 1}\n";
+    same.folder = folder / "same";
+    PartSession first(world, whole, fixtures::boxes(whole, 3), same);
+    EXPECT_THROW(PartSession(world, whole, fixtures::boxes(whole, 3), same), core::Error);
+    EXPECT_EQ(first.execute(0), "");
+    EXPECT_THROW(first.session().record(file), core::Error);
+    EXPECT_EQ(first.session().finish(), "");
+    EXPECT_EQ(process.session().finish(), "");
+  });
+  std::signal(SIGXFSZ, handler);
+  for (const auto& [name, text] : files_of(folder / ""))
+    EXPECT_EQ(name.find("insitu-part"), std::string::npos) << name;
 }
