@@ -119,6 +119,14 @@ void Particles::keep_parametric() {
   begin_to_keep(keeps_parametric_, parametric, size(), math::Vec3d{});
 }
 
+void Particles::reserve(std::size_t more) {
+  for_each_array([&](auto& array) {
+    const std::size_t n = array.size();
+    array.resize(n + more);
+    array.resize(n);
+  });
+}
+
 void Particles::seed(std::span<const math::Vec3d> points, double time) {
   seed(points, time, {});
 }
@@ -129,6 +137,7 @@ void Particles::seed(std::span<const math::Vec3d> points, double time,
   std::size_t i = size(), more = 0;
   for (std::size_t p = 0; p < points.size(); ++p)
     more += kept(p);
+  reserve(more);
   for_each_array([&](auto& array) { array.resize(i + more); });
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (!kept(p))

@@ -50,6 +50,8 @@ public:
 
   /// Adds particles that are alive, in no cell, and have no velocity of their own yet.
   void seed(std::span<const math::Vec3d> points, double time);
+  /// Takes memory for so many more, whose seeding then does not fail.
+  void reserve(std::size_t more);
   /// Of seeds that all processes have, adds those that are kept here: keeps[i] of points[i]. Ids
   /// count all of them.
   void seed(std::span<const math::Vec3d> points, double time, std::span<const std::uint8_t> keeps);

@@ -44,20 +44,22 @@ void seed_across(Particles& particles, std::span<const math::Vec3d> points, doub
     for (const std::int64_t bits : all)
       found[1] += std::popcount(std::uint64_t(bits));
     world.reduce(std::span(found, 1), parallel::Reduction::sum);
+    std::vector<std::uint8_t> keeps;
     world.agree_after([&] {
       if (found[0] != found[1])
         throw core::Error(INSITU_ERROR_INTERNAL, "tracer: processes own " +
                                                      std::to_string(found[0]) + " of the seeds, " +
                                                      std::to_string(found[1]) + " of them once");
-      std::vector<std::uint8_t> keeps(part.size());
+      keeps.resize(part.size());
       for (std::size_t i = 0; i < part.size(); ++i) {
         const auto is_in = [&](const std::vector<std::int64_t>& bits) {
           return (std::uint64_t(bits[i / 64]) >> (i % 64) & 1U) != 0;
         };
         keeps[i] = is_in(own) || (world.is_root() && !is_in(all));
       }
-      particles.seed(part, time, keeps);
+      particles.reserve(std::size_t(std::ranges::count(keeps, 1)));
     });
+    particles.seed(part, time, keeps); // by all, or by none
   }
 }
 

@@ -112,10 +112,11 @@ bool AttachedPoints::bring_home() {
 void AttachedPoints::follow(const commit::CommittedMesh& mesh, const query::LocateOptions& options,
                             bool by_ids, std::vector<math::Vec3d>& points) {
   const bool stand = kept_ && bring_home();
-  const bool known = !places_.empty();
-  std::int64_t other_cells = !known || (topology_ != mesh.own_topology_version() && !stand);
-  world_.reduce(std::span(&other_cells, 1), parallel::Reduction::greatest);
-  if (other_cells && known)
+  const bool knows = !places_.empty(); // some may not, whose first call failed
+  std::int64_t any[] = {!knows || (topology_ != mesh.own_topology_version() && !stand), !knows};
+  world_.reduce(any, parallel::Reduction::greatest);
+  const bool other_cells = any[0] != 0;
+  if (other_cells && any[1] == 0)
     share(points);
   std::vector<Moved> lost;
   std::vector<std::int64_t> some; // that nobody owns
@@ -150,7 +151,9 @@ void AttachedPoints::share(std::vector<math::Vec3d>& points) {
     mine = to_root(moved);
   });
   const std::vector<parallel::Parcel> all = world_.exchange(mine);
-  for_each_item<Moved>(all, [&](int, const Moved& m) { points[std::size_t(m.point)] = m.x; });
+  world_.agree_after([&] {
+    for_each_item<Moved>(all, [&](int, const Moved& m) { points[std::size_t(m.point)] = m.x; });
+  });
   world_.broadcast(std::as_writable_bytes(std::span(points)));
 }
 
@@ -226,12 +229,17 @@ void AttachedPoints::tell_lost(const std::vector<Moved>& lost, std::vector<math:
   world_.reduce(std::span(&count, 1), parallel::Reduction::sum);
   if (count == 0)
     return;
-  std::vector<Moved> all(static_cast<std::size_t>(count));
+  std::vector<Moved> all;
   std::vector<parallel::Parcel> out;
-  world_.agree_after([&] { out = to_root(lost); });
+  world_.agree_after([&] {
+    all.resize(std::size_t(count));
+    out = to_root(lost);
+  });
   const std::vector<parallel::Parcel> in = world_.exchange(out);
-  auto to = all.begin();
-  for_each_item<Moved>(in, [&](int, const Moved& m) { *to++ = m; });
+  world_.agree_after([&] {
+    auto to = all.begin();
+    for_each_item<Moved>(in, [&](int, const Moved& m) { *to++ = m; });
+  });
   world_.broadcast(std::as_writable_bytes(std::span(all)));
   for (const Moved& m : all) {
     owners_[std::size_t(m.point)] = -1;

@@ -148,10 +148,12 @@ const std::vector<math::Vec3d>& TracerAction::seeds_of_all(const commit::Committ
   if (seeds_)
     return *seeds_;
   const std::string text = read_points_for_all(tracer_.seeds, world);
+  std::vector<math::Vec3d> seeds; // nobody has them unless all do
   world.agree_after([&] {
-    seeds_ = resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file, &text)
-                 .mesh_points;
+    seeds = resolve_points(tracer_.seeds, tracer_.frame, mesh, environment_.scene_file, &text)
+                .mesh_points;
   });
+  seeds_ = std::move(seeds);
   return *seeds_;
 }
 

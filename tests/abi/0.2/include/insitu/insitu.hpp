@@ -79,16 +79,21 @@ class Session {
 public:
   /** Opens a session. Throws INSITU_ERROR_SCENE for a bad scene, whose what() gives file, line, key
    *  and the nearest valid key, and INSITU_ERROR_FILE if another session writes the same files. */
-  explicit Session(const Options& options = {}) : log_(std::make_unique<Log>(options.log)) {
+  explicit Session(const Options& options = {}) {
     insitu_session_options o = insitu_session_options_default();
     o.scene = or_null(options.scene);
     o.scene_text = or_null(options.scene_text);
     o.output = or_null(options.output);
     o.default_scene = options.default_scene ? 1 : 0;
     o.threads = options.threads;
+    try {
+      log_ = std::make_unique<Log>(options.log);
+    } catch (const std::bad_alloc&) { // other processes may wait for this one
+      o.threads = INT32_MIN;
+    }
     o.strict = options.strict ? 1 : 0;
     o.log_level = static_cast<insitu_log_level>(options.log_level);
-    if (*log_) {
+    if (log_ && *log_) {
       o.log = &forward;
       o.log_user = log_.get();
     }

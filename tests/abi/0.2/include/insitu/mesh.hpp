@@ -135,7 +135,8 @@ public:
    *  never a ghost cell. NaN and infinite points are outside. */
   Locations locate(const Points& points, const LocateOptions& options = {}) const {
     Locations out;
-    const insitu_locate_args args = locate_args(points, options, out);
+    insitu_locate_args args{};
+    take_memory(options, [&] { args = locate_args(points, options, out); });
     detail::check(insitu_mesh_locate(handle(), &args));
     return out;
   }
@@ -145,10 +146,14 @@ public:
                  const LocateOptions& options = {}) const {
     Samples out;
     out.components = components_of(field, options);
-    out.values.resize(points.size() * static_cast<std::size_t>(out.components));
+    insitu_locate_args args{};
+    take_memory(options, [&] {
+      out.values.resize(points.size() * static_cast<std::size_t>(out.components));
+      args = locate_args(points, options, out);
+    });
     const char* name = field.c_str();
     double* values = out.values.data();
-    sample_into(1, &name, &values, locate_args(points, options, out));
+    sample_into(1, &name, &values, args);
     return out;
   }
   /** Does as sample() for several fields, and locates points once. */
@@ -157,15 +162,19 @@ public:
     FieldSamples out;
     std::vector<const char*> c_names;
     std::vector<double*> values;
-    out.values.reserve(names.size());
-    for (const std::string& name : names) {
-      const int n = components_of(name, options);
-      out.values.push_back(
-          {name, n, std::vector<double>(points.size() * static_cast<std::size_t>(n))});
-      c_names.push_back(name.c_str());
-      values.push_back(out.values.back().values.data());
-    }
-    sample_into(names.size(), c_names.data(), values.data(), locate_args(points, options, out));
+    insitu_locate_args args{};
+    take_memory(options, [&] {
+      out.values.reserve(names.size());
+      for (const std::string& name : names) {
+        const int n = components_of(name, options);
+        out.values.push_back(
+            {name, n, std::vector<double>(points.size() * static_cast<std::size_t>(n))});
+        c_names.push_back(name.c_str());
+        values.push_back(out.values.back().values.data());
+      }
+      args = locate_args(points, options, out);
+    });
+    sample_into(names.size(), c_names.data(), values.data(), args);
     return out;
   }
   /** Samples a field at one point in the mesh's frame, and allocates nothing. The call fills
@@ -210,6 +219,22 @@ private:
                : 0;
   }
 
+  /** Takes the memory of answers. A process that lacks it tells the others of a query everywhere,
+   *  which then fails on all alike. */
+  template <class Take>
+  void take_memory(const LocateOptions& options, Take&& take) const {
+    try {
+      take();
+    } catch (const std::bad_alloc&) {
+      if (!options.everywhere)
+        throw;
+      insitu_locate_args args = insitu_locate_args_default();
+      args.scope = INSITU_SCOPE_EVERYWHERE;
+      args.point_arrays = INT32_MIN;
+      detail::check(insitu_mesh_locate(handle(), &args));
+      throw; // in a session that asks nobody
+    }
+  }
   static insitu_locate_args locate_args(const Points& points, const LocateOptions& options,
                                         Locations& out) {
     const std::size_t n = points.size();
