@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "api/meshes_of_all.h"
+#include "core/simd_target.h"
 #include "core/text.h"
 #include "parallel/mpi_world.h"
 
@@ -44,6 +45,18 @@ std::string told(const insitu_frame& f) {
   return text;
 }
 
+/// Throws for options with which no session is made.
+void check(const insitu_session_options& options) {
+  core::require_simd_target();
+  if (options.threads == INT32_MIN)
+    throw Error(INSITU_ERROR_MEMORY, "out of memory");
+  if (options.threads < 0)
+    throw Error(INSITU_ERROR_ARGUMENT,
+                "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
+  if (options.scene && options.scene_text)
+    throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
+}
+
 bool has_cells(const commit::CommittedMesh& mesh) {
   return mesh.mesh().own_view().own_cell_count() > 0;
 }
@@ -64,6 +77,7 @@ std::shared_ptr<parallel::World> world_of(const insitu_session_options& o, const
 }
 
 int Processes::threads(const insitu_session_options& options) const {
+  check(options);
   if (options.threads > 0 || size() == 1)
     return options.threads;
   const long cores = sysconf(_SC_NPROCESSORS_ONLN);

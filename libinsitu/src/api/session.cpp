@@ -27,24 +27,11 @@ static_assert(int(accel::Method::bvh) + 1 == INSITU_METHOD_BVH &&
               accel::method_count == INSITU_METHOD_SHARED_BILINEAR_FACES &&
               int(accel::Backend::optix) + 1 == INSITU_BACKEND_OPTIX);
 
-/// Throws for options with which no session is made.
-const insitu_session_options& checked_options(const insitu_session_options& options) {
-  core::require_simd_target();
-  if (options.threads == INT32_MIN)
-    throw Error(INSITU_ERROR_MEMORY, "out of memory");
-  if (options.threads < 0)
-    throw Error(INSITU_ERROR_ARGUMENT,
-                "threads: " + std::to_string(options.threads) + ", 0 (all) or more expected");
-  if (options.scene && options.scene_text)
-    throw Error(INSITU_ERROR_ARGUMENT, "scene and scene_text are both given, at most one expected");
-  return options;
-}
-
 } // namespace
 
 Session::Session(const insitu_session_options& options, std::shared_ptr<parallel::World> world)
-    : processes_(std::move(world)), context_(processes_.threads(checked_options(options)),
-                                             {options.log_level, options.log, options.log_user}),
+    : processes_(std::move(world)),
+      context_(processes_.threads(options), {options.log_level, options.log, options.log_user}),
       strict_(options.strict != 0), default_scene_(options.default_scene != 0),
       preview_(options.preview != 0), output_(options.output ? options.output : ""),
       query_points_(context_.memory, INSITU_MEMORY_QUERY) {}
