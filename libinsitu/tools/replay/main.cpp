@@ -73,7 +73,7 @@ std::string probe_scene(const std::string& points) {
 class Replay {
 public:
   explicit Replay(const ReplayOptions& options)
-      : options_(options), steps_(steps_of(options.files)), first_(first_record()),
+      : options_(options), steps_(ordered(steps_of(options.files))), first_(first_record()),
         session_(session_options()) {
     if (first_)
       return; // records name their meshes
@@ -83,7 +83,7 @@ public:
   }
 
   ExitCode run() {
-    if (numbers_run_backwards(options_.files))
+    if (!first_ && numbers_run_backwards(options_.files))
       say("note: the numbers in the files' names do not ascend; steps are taken in the order "
           "given");
     ExitCode code = done;
@@ -121,6 +121,19 @@ public:
   }
 
 private:
+  /// Records tell their times, and go by these, then by their names, however they were given.
+  static std::vector<Step> ordered(std::vector<Step> steps) {
+    for (Step& step : steps)
+      if (!step.time && !step.is_of_run && is_record(step.files.front()))
+        step.time = read_record(*open_record(step.files.front())).time;
+    if (!steps.front().time || !is_record(steps.front().files.front()))
+      return steps;
+    std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) {
+      return a.time != b.time ? a.time < b.time : a.files < b.files;
+    });
+    return steps;
+  }
+
   /// Of steps that are records, what the first one says besides its arrays.
   std::optional<Record> first_record() const {
     const std::string& first = steps_.front().files.front();

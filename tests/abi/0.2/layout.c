@@ -177,6 +177,21 @@ int layout_of(int which, int64_t* out) {
                               AT(insitu_amr_info, stitching), AT(insitu_amr_info, folded),
                               AT(insitu_amr_info, repaired),  AT(insitu_amr_info, bytes),
                               AT(insitu_amr_info, build_s),   AT(insitu_amr_info, by_places)};
+  const int64_t vertices[] = {sizeof(insitu_vertices_args),
+                              AT(insitu_vertices_args, size),
+                              AT(insitu_vertices_args, points),
+                              AT(insitu_vertices_args, point_arrays),
+                              AT(insitu_vertices_args, nearest),
+                              AT(insitu_vertices_args, frame),
+                              AT(insitu_vertices_args, greatest_distance),
+                              AT(insitu_vertices_args, scope),
+                              AT(insitu_vertices_args, vertex_base),
+                              AT(insitu_vertices_args, vertices),
+                              AT(insitu_vertices_args, pieces),
+                              AT(insitu_vertices_args, ranks),
+                              AT(insitu_vertices_args, global_vertices),
+                              AT(insitu_vertices_args, distances),
+                              AT(insitu_vertices_args, places)};
   const struct {
     const int64_t* numbers;
     size_t count;
@@ -197,7 +212,8 @@ int layout_of(int which, int64_t* out) {
                  {patch, sizeof patch / 8},
                  {leaves, sizeof leaves / 8},
                  {amr_info, sizeof amr_info / 8},
-                 {faces, sizeof faces / 8}};
+                 {faces, sizeof faces / 8},
+                 {vertices, sizeof vertices / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;

@@ -122,7 +122,9 @@ frames:
       check(insitu_session_execute(session, 10 * step, 0.1 * step));
     }
     check(insitu_session_close(&session));
-    const Outcome o = run("--out again live/record.hdf.series");
+    // By time, then by name, whatever the order here.
+    const Outcome o = run("--out again live/record_000020.hdf live/record_000000.hdf "
+                          "live/record_000030.hdf live/record_000010.hdf");
     ASSERT_EQ(o.code, 0) << o.err;
     const Files first = files_of(folder / "live"), second = files_of(folder / "again");
     EXPECT_GT(first.size(), 8u);

@@ -198,6 +198,62 @@ TEST_F(Records, Polyhedra) {
   }
 }
 
+/// Quads and triangles on two coordinates, and a block of two dimensions.
+TEST_F(Records, FlatMeshes) {
+  const std::string flat = R"(insitu: 1
+record: {every: 1}
+probes:
+  - {name: a, mesh: cells, points: [[0.4, 0.3, 0], [9, 9, 0]], fields: [p, c]}
+  - {name: b, mesh: block, points: [[0.4, 0.3, 0]], fields: [p]}
+tracers:
+  - {name: paths, mesh: cells, velocity: u, seeds: [[0.5, 0.5, 0]]}
+frames:
+  - {name: seen, mesh: cells, size: [40, 30], isosurfaces: [{field: p, values: [0.6]}]}
+  - {name: block, mesh: block, size: [40, 30], volume: {field: p}}
+)";
+  same_again(
+      [&](insitu_session session, int step, Arrays& arrays) {
+        std::vector<double> xy, p, u, c;
+        std::vector<std::int32_t> ids;
+        for (int j = 0; j < 5; ++j)
+          for (int i = 0; i < 5; ++i) {
+            xy.insert(xy.end(), {0.25 * i + 0.01 * step, 0.25 * j});
+            p.push_back(std::sin(i + 0.1 * step) + 0.2 * j);
+            u.insert(u.end(), {0.3 - 0.1 * j, 0.1 * i});
+          }
+        for (int j = 0; j < 4; ++j)
+          for (int i = 0; i < 4; ++i) {
+            const int v = i + 5 * j;
+            ids.insert(ids.end(), {v, v + 1, v + 6, v + 5});
+            c.push_back(std::cos(0.3 * i + j));
+          }
+        ids[3] = -1; // a triangle
+        const insitu_mesh mesh = mesh_of(session, "cells");
+        const insitu_array points = arrays.keep(xy, 2);
+        check(insitu_mesh_points(mesh, 0, &points, 1));
+        if (step == 0) {
+          insitu_cells cells = insitu_cells_default();
+          cells.layout = INSITU_LAYOUT_PADDED;
+          cells.shape = INSITU_QUAD;
+          cells.connectivity = arrays.keep(ids, 4);
+          cells.count = 16;
+          check(insitu_mesh_cells(mesh, 0, &cells));
+          insitu_block block = insitu_block_default();
+          block.kind = INSITU_BLOCK_UNIFORM;
+          block.dimensions = 2;
+          block.vertices[0] = block.vertices[1] = 5;
+          block.vertices[2] = 1;
+          block.spacing[0] = block.spacing[1] = 0.25;
+          check(insitu_mesh_block(mesh_of(session, "block"), 0, &block));
+        }
+        give_field(mesh, "p", INSITU_VERTEX, arrays.keep(p));
+        give_field(mesh, "u", INSITU_VERTEX, arrays.keep(u, 2));
+        give_field(mesh, "c", INSITU_CELL, arrays.keep(c));
+        give_field(mesh_of(session, "block"), "p", INSITU_VERTEX, arrays.keep(p));
+      },
+      flat);
+}
+
 /// Two meshes, of which one is in longitude and latitude.
 TEST_F(Records, SeveralMeshesInTheirFrames) {
   const std::string two = R"(insitu: 1

@@ -307,6 +307,23 @@ module insitu_c
     integer(c_int64_t) :: reserved(9) = 0
   end type c_locate_args
 
+  type, bind(c) :: c_vertices_args
+    integer(c_size_t) :: size = 0
+    type(c_ptr) :: points = c_null_ptr
+    integer(c_int32_t) :: point_arrays = 1
+    integer(c_int32_t) :: nearest = 1
+    type(c_ptr) :: frame = c_null_ptr
+    real(c_double) :: greatest_distance = 0.0_c_double
+    integer(c_int) :: scope = insitu_scope_local
+    integer(c_int32_t) :: vertex_base = 1
+    type(c_ptr) :: vertices = c_null_ptr
+    type(c_ptr) :: pieces = c_null_ptr
+    type(c_ptr) :: ranks = c_null_ptr
+    type(c_ptr) :: global_vertices = c_null_ptr
+    type(c_ptr) :: distances = c_null_ptr
+    type(c_ptr) :: places = c_null_ptr
+  end type c_vertices_args
+
   type, bind(c) :: c_sample_args
     integer(c_size_t) :: size = 0
     type(c_locate_args) :: locate

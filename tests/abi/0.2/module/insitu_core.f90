@@ -31,6 +31,7 @@ module insitu_core
     procedure :: give_field
     procedure :: find_cells
     procedure :: find_values
+    procedure :: find_vertices
     procedure :: narrow
   end type mesh_core
 
@@ -171,132 +172,7 @@ contains
                                   size(arrays, kind=c_int32_t)), ierr)
   end subroutine give_field
 
-  !> cells, found, pieces, reasons, ranks (from 0, -1 outside), global_cells: one item a point; parametric: (3, points).
-  !! everywhere: of the cells of all processes, which all call this; one that finds an error takes part and fails with
-  !! all others.
-  subroutine find_cells(self, points, cells, ierr, found, pieces, parametric, frame, accuracy, reasons, &
-                        everywhere, ranks, global_cells)
-    class(mesh_core), intent(in) :: self
-    type(c_array), intent(in), target :: points(:)
-    integer(int64), intent(out), contiguous, target :: cells(:)
-    integer, intent(out) :: ierr
-    logical, intent(out), optional :: found(:)
-    integer, intent(out), optional :: pieces(:)
-    real(real64), intent(out), contiguous, optional, target :: parametric(:,:)
-    character(len=*), intent(in), optional :: frame
-    integer, intent(in), optional :: accuracy
-    integer, intent(out), optional :: reasons(:)
-    logical, intent(in), optional :: everywhere
-    integer, intent(out), optional :: ranks(:)
-    integer(int64), intent(out), optional :: global_cells(:)
-    type(c_locate_args) :: args
-    type(c_frame), target :: point_frame
-    integer(c_int32_t), allocatable, target :: owners(:), processes(:)
-    integer(c_int64_t), allocatable, target :: ids(:)
-    integer(c_int8_t), allocatable, target :: why(:)
-
-    call fill(self, 'locate', points, args, point_frame, ierr, frame, accuracy)
-    call expect_room(self, 'locate: cells', size(cells), points, ierr)
-    if (present(found)) call expect_room(self, 'locate: found', size(found), points, ierr)
-    if (present(pieces)) call expect_room(self, 'locate: pieces', size(pieces), points, ierr)
-    if (present(reasons)) call expect_room(self, 'locate: reasons', size(reasons), points, ierr)
-    if (present(ranks)) call expect_room(self, 'locate: ranks', size(ranks), points, ierr)
-    if (present(global_cells)) then
-      call expect_room(self, 'locate: global_cells', size(global_cells), points, ierr)
-    end if
-    if (present(parametric)) then
-      call expect_room(self, 'locate: parametric', size(parametric, 2), points, ierr)
-      if (size(parametric, 1) /= 3) then
-        call self%refuse('locate: parametric: the first extent must be 3', ierr)
-      end if
-    end if
-    if (asks_all(everywhere)) args%scope = insitu_scope_everywhere
-    if (ierr /= insitu_ok) then
-      if (asks_all(everywhere)) call take_part(self, args)
-      return
-    end if
-
-    if (size(cells) > 0) args%cells = c_loc(cells)
-    if (present(parametric)) then
-      if (size(parametric) > 0) args%parametric = c_loc(parametric)
-    end if
-    if (size(cells) > 0) then
-      if (present(pieces)) then
-        allocate (owners(size(cells)))
-        args%pieces = c_loc(owners)
-      end if
-      if (present(reasons)) then
-        allocate (why(size(cells)))
-        args%reasons = c_loc(why)
-      end if
-      if (present(ranks)) then
-        allocate (processes(size(cells)))
-        args%ranks = c_loc(processes)
-      end if
-      if (present(global_cells)) then
-        allocate (ids(size(cells)))
-        args%global_cells = c_loc(ids)
-      end if
-    end if
-    call self%finish(c_mesh_locate(self%handle, args), ierr)
-    if (ierr /= insitu_ok) return
-    if (present(found)) found = cells > 0
-    if (allocated(owners)) pieces = int(owners) + 1
-    if (allocated(why)) reasons = int(why)
-    if (allocated(processes)) ranks = int(processes)
-    if (allocated(ids)) global_cells = ids
-  end subroutine find_cells
-
-  !> values: `room` contiguous numbers, the components of an item adjacent.
-  subroutine find_values(self, field, points, values, room, ierr, found, frame, accuracy, everywhere)
-    class(mesh_core), intent(in) :: self
-    character(len=*), intent(in) :: field
-    type(c_array), intent(in), target :: points(:)
-    type(c_ptr), intent(in), target :: values
-    integer, intent(in) :: room
-    integer, intent(out) :: ierr
-    logical, intent(out), optional :: found(:)
-    character(len=*), intent(in), optional :: frame
-    integer, intent(in), optional :: accuracy
-    logical, intent(in), optional :: everywhere
-    type(c_sample_args) :: args
-    type(c_frame), target :: point_frame
-    type(c_ptr), target :: name_at
-    character(len=len_trim(field) + 1), target :: name
-    integer(c_int8_t), allocatable, target :: inside(:)
-    integer(c_int32_t) :: components
-    integer(c_int) :: association
-
-    components = 0
-    association = insitu_vertex
-    call self%finish(c_mesh_field_info(self%handle, to_c(field), components, association), ierr)
-    if (asks_all(everywhere)) args%locate%scope = insitu_scope_everywhere
-    if (ierr /= insitu_ok) then
-      if (.not. asks_all(everywhere)) return
-      if (points(1)%count > 0) then  ! at which this process has no field to tell the components
-        call take_part(self, args%locate)
-        return
-      end if
-    end if
-    call fill(self, 'sample', points, args%locate, point_frame, ierr, frame, accuracy)
-    call expect_values(self, field, room, int(components), points, ierr)
-    if (present(found)) call expect_room(self, 'sample: found', size(found), points, ierr)
-    if (ierr /= insitu_ok) then
-      if (asks_all(everywhere)) call take_part(self, args%locate)
-      return
-    end if
-
-    name = trim(field) // c_null_char
-    name_at = c_loc(name)
-    args%size = c_sizeof(args)
-    args%fields = c_loc(name_at)
-    args%field_count = 1
-    args%values = c_loc(values)
-    allocate (inside(points(1)%count))
-    if (size(inside) > 0) args%locate%found = c_loc(inside)
-    call self%finish(c_mesh_sample(self%handle, args), ierr)
-    if (ierr == insitu_ok .and. present(found)) found = inside /= 0_int8
-  end subroutine find_values
+  include 'insitu_core_queries.inc'
 
   pure logical function asks_all(everywhere)
     logical, intent(in), optional :: everywhere

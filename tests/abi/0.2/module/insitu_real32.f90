@@ -44,6 +44,8 @@ module insitu_real32
     procedure, private :: sample_interleaved_vector_r32 => sample_interleaved_vector
     procedure, private :: sample_1_r32 => sample_1
     procedure, private :: sample_1_vector_r32 => sample_1_vector
+    procedure, private :: nearest_interleaved_r32 => nearest_interleaved
+    procedure, private :: nearest_1_r32 => nearest_1
     generic :: points => points_interleaved_r32, points_1_r32, points_2_r32
     generic :: curvilinear_block => curvilinear_interleaved_r32, curvilinear_3_r32
     generic :: rectilinear_block => rectilinear_r32
@@ -58,6 +60,7 @@ module insitu_real32
         locate_1_int32_r32
     generic :: sample => sample_interleaved_r32, sample_interleaved_vector_r32, sample_1_r32, &
         sample_1_vector_r32
+    generic :: nearest_vertices => nearest_interleaved_r32, nearest_1_r32
   end type mesh_of_reals
 
 contains

@@ -44,6 +44,8 @@ module insitu_real64
     procedure, private :: sample_interleaved_vector_r64 => sample_interleaved_vector
     procedure, private :: sample_1_r64 => sample_1
     procedure, private :: sample_1_vector_r64 => sample_1_vector
+    procedure, private :: nearest_interleaved_r64 => nearest_interleaved
+    procedure, private :: nearest_1_r64 => nearest_1
     generic :: points => points_interleaved_r64, points_1_r64, points_2_r64
     generic :: curvilinear_block => curvilinear_interleaved_r64, curvilinear_3_r64
     generic :: rectilinear_block => rectilinear_r64
@@ -58,6 +60,7 @@ module insitu_real64
         locate_1_int32_r64
     generic :: sample => sample_interleaved_r64, sample_interleaved_vector_r64, sample_1_r64, &
         sample_1_vector_r64
+    generic :: nearest_vertices => nearest_interleaved_r64, nearest_1_r64
   end type mesh_of_reals
 
 contains

@@ -192,6 +192,35 @@ public:
         insitu_mesh_sample_point(handle(), field.c_str(), point.data(), values.data(), &found));
     return found != 0;
   }
+  /** Finds the vertices nearest to each point, `most` of them (insitu_mesh_nearest_vertices), with
+   *  the frame, greatest distance and scope of the options. */
+  NearestVertices nearest_vertices(const Points& points, int most = 1,
+                                   const LocateOptions& options = {}) const {
+    NearestVertices out;
+    out.most = static_cast<std::size_t>(std::max(most, 0));
+    const std::size_t n = points.size() * out.most;
+    out.vertices.resize(n);
+    out.pieces.resize(n);
+    out.ranks.resize(n);
+    out.global_vertices.resize(n);
+    out.distances.resize(n);
+    out.places.resize(3 * n);
+    insitu_vertices_args args = insitu_vertices_args_default();
+    args.points = points.arrays();
+    args.point_arrays = points.array_count();
+    args.nearest = most;
+    args.frame = options.frame ? &options.frame->get() : nullptr;
+    args.greatest_distance = options.greatest_distance;
+    args.scope = options.everywhere ? INSITU_SCOPE_EVERYWHERE : INSITU_SCOPE_LOCAL;
+    args.vertices = out.vertices.data();
+    args.pieces = out.pieces.data();
+    args.ranks = out.ranks.data();
+    args.global_vertices = out.global_vertices.data();
+    args.distances = out.distances.data();
+    args.places = out.places.data();
+    detail::check(insitu_mesh_nearest_vertices(handle(), &args));
+    return out;
+  }
   FieldInfo field_info(const std::string& name) const {
     std::int32_t components = 0;
     insitu_association association = INSITU_VERTEX;
@@ -255,6 +284,14 @@ private:
     if (options.reasons) {
       out.reasons.resize(n);
       args.reasons = reinterpret_cast<std::uint8_t*>(out.reasons.data());
+    }
+    if (options.nearest) {
+      out.distances.resize(n);
+      out.nearest.resize(3 * n);
+      args.outside = INSITU_OUTSIDE_NEAREST;
+      args.greatest_distance = options.greatest_distance;
+      args.distances = out.distances.data();
+      args.nearest = out.nearest.data();
     }
     if (options.everywhere) {
       out.ranks.resize(n);

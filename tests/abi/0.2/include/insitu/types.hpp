@@ -167,6 +167,10 @@ struct LocateOptions {
   bool everywhere = false;      /**< whether cells of all processes may hold the points; the call is
                                      then collective (INSITU_SCOPE_EVERYWHERE), and fills
                                      Locations::ranks and Locations::global_cells */
+  bool nearest = false;         /**< whether points outside get the nearest cell
+                                     (INSITU_OUTSIDE_NEAREST); fills Locations::distances and
+                                     Locations::nearest */
+  double greatest_distance = 0.0; /**< how far that cell may be; 0: any distance */
 };
 
 /** Where points lie, one item a point, in the points' order. */
@@ -182,8 +186,22 @@ struct Locations {
                                          everywhere */
   std::vector<std::int64_t> global_cells; /**< [size()] the owner's global id, -1 outside or without
                                                global ids; of queries everywhere */
+  std::vector<double> distances; /**< [size()] to the cell that answers, 0 inside; if asked for the
+                                      nearest */
+  std::vector<double> nearest;   /**< [size()][3] the cell's nearest point, in the mesh's frame; if
+                                      asked for */
 
   std::size_t size() const noexcept { return found.size(); }
+};
+
+/** Vertices near points, `most` a point, in order of distance; see insitu_vertices_args. */
+struct NearestVertices {
+  std::size_t most = 1;
+  std::vector<std::int64_t> vertices;        /**< [points][most] -1 where there are no more */
+  std::vector<std::int32_t> pieces, ranks;   /**< [points][most] -1 where there are no more */
+  std::vector<std::int64_t> global_vertices; /**< [points][most] -1 also without global ids */
+  std::vector<double> distances;             /**< [points][most] NaN where there are no more */
+  std::vector<double> places;                /**< [points][most][3] coordinates of the vertices */
 };
 
 /** Locations of points, and the values of one field there. */
