@@ -145,8 +145,9 @@ TEST_F(Records, Blocks) {
 
 /// Cells by their faces, in both forms; a field's name holds a slash.
 TEST_F(Records, Polyhedra) {
-  for (const insitu_faces_form form : {INSITU_FACES_OWNERS, INSITU_FACES_CELLS}) {
-    SCOPED_TRACE(form);
+  for (const int kind : {0, 1, 2}) {
+    SCOPED_TRACE(kind);
+    const insitu_faces_form form = kind == 1 ? INSITU_FACES_CELLS : INSITU_FACES_OWNERS;
     fs::remove_all(folder / "live");
     fs::remove_all(folder / "again");
     same_again([&](insitu_session session, int step, Arrays& arrays) {
@@ -184,6 +185,17 @@ TEST_F(Records, Polyhedra) {
         faces.face_count = std::int64_t(known.size());
         faces.vertices = arrays.keep(vertices);
         faces.offsets = arrays.keep(offsets);
+        if (kind == 2) { // rings behind pointers, of four ids each
+          std::vector<std::int64_t> pointers;
+          for (std::size_t f = 0; f < known.size(); ++f)
+            pointers.push_back(std::int64_t(reinterpret_cast<std::uintptr_t>(
+                static_cast<const std::int32_t*>(faces.vertices.data) + 4 * f)));
+          insitu_array rings = arrays.keep(pointers);
+          rings.type = INSITU_INT32;
+          rings.indirect = 1;
+          faces.vertices = rings;
+          faces.offsets = arrays.keep(std::vector<std::int32_t>(known.size(), 4));
+        }
         if (form == INSITU_FACES_OWNERS) {
           faces.owner = arrays.keep(owner, 2);
         } else {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
+#include <utility>
 
 #include "output/files/json_text.h"
 
@@ -137,6 +139,41 @@ private:
     add(name, name, arrays, run_of(arrays), name == "connectivity");
   }
 
+  /// Rings that lie behind pointers, as rings that follow each other.
+  void add_rings(const std::string& offsets, const ExternalArray& rings,
+                 const ExternalArray& counts, std::int64_t base) {
+    const auto count_of = [counts](std::int64_t face) {
+      return std::max<std::int64_t>(
+          mesh::load_index(counts.at(face, 0), counts.type == INSITU_INT32), 0);
+    };
+    std::int64_t ids = 0;
+    for (std::int64_t f = 0; f < rings.layout.count; ++f)
+      ids += count_of(f);
+    const int size = mesh::size_of(rings.type);
+    const std::string vertices = offsets == "face offsets" ? "vertices" : "boundary vertices";
+    add(vertices, vertices, {rings},
+        {ids, nullptr,
+         [rings, count_of, size, face = std::int64_t(0),
+          within = std::int64_t(0)](std::int64_t begin, std::int64_t end, std::byte* to) mutable {
+           for (; begin < end; ++begin, ++within, to += size) {
+             for (; within == count_of(face); ++face)
+               within = 0;
+             std::memcpy(to, rings.at(face, 0) + within * size, std::size_t(size));
+           }
+         }});
+    ExternalArray places = counts; // its type alone
+    places.type = INSITU_INT64;
+    add(offsets, offsets, {places},
+        {rings.layout.count + 1, nullptr,
+         [count_of, next = base, faces = rings.layout.count](std::int64_t begin, std::int64_t end,
+                                                             std::byte* to) mutable {
+           for (; begin < end; ++begin, to += sizeof next) {
+             std::memcpy(to, &next, sizeof next);
+             next += begin < faces ? count_of(begin) : 0;
+           }
+         }});
+  }
+
   RecordStream& stream(const std::string& file, insitu_type type, int components) {
     const auto [at, is_new] = streams_.emplace(file, part_.streams.size());
     if (is_new)
@@ -155,8 +192,15 @@ private:
     json_.key("arrays").open('{');
     if (!piece.points.empty())
       add("points", piece.points);
+    const ExternalArray* rings = nullptr; // behind pointers, until their numbers of ids come
     for (const auto& [name, array] : piece.cell_arrays)
-      add(name, {array});
+      if (name.ends_with("vertices") && array.indirect)
+        rings = &array;
+      else if (rings && name.ends_with("offsets"))
+        add_rings(name, *std::exchange(rings, nullptr), array,
+                  std::get<insitu_faces>(piece.cells).index_base);
+      else
+        add(name, {array});
     if (piece.ghosts.given())
       add("ghosts", {piece.ghosts});
     if (piece.hidden_points.given())
