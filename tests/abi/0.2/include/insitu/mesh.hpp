@@ -198,13 +198,15 @@ public:
                                    const LocateOptions& options = {}) const {
     NearestVertices out;
     out.most = static_cast<std::size_t>(std::max(most, 0));
-    const std::size_t n = points.size() * out.most;
-    out.vertices.resize(n);
-    out.pieces.resize(n);
-    out.ranks.resize(n);
-    out.global_vertices.resize(n);
-    out.distances.resize(n);
-    out.places.resize(3 * n);
+    take_memory(options, [&] {
+      const std::size_t n = points.size() * out.most;
+      out.vertices.resize(n);
+      out.pieces.resize(n);
+      out.ranks.resize(n);
+      out.global_vertices.resize(n);
+      out.distances.resize(n);
+      out.places.resize(3 * n);
+    });
     insitu_vertices_args args = insitu_vertices_args_default();
     args.points = points.arrays();
     args.point_arrays = points.array_count();

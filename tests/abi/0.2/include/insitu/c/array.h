@@ -30,10 +30,10 @@ typedef enum insitu_memory INSITU_INT { INSITU_HOST = 0, INSITU_DEVICE = 1 } ins
  *
  *  Items behind pointers serve solvers that keep one record a cell: where indirect is 1, data is an
  *  array of pointers, stride[0] bytes apart, and component c of item i lies
- *  offset + c*component_stride bytes behind pointer i. Fields and the arrays of insitu_leaves may
- *  lie so, in host memory. The library reads the pointers whenever it reads the values. A commit of
- *  INSITU_CHANGED_TOPOLOGY, and the first commit after the array was given, refuses a null pointer
- *  and names its index. */
+ *  offset + c*component_stride bytes behind pointer i. Fields, the arrays of insitu_leaves and the
+ *  vertices of insitu_faces may lie so, in host memory. The library reads the pointers whenever it
+ * reads the values. A commit of INSITU_CHANGED_TOPOLOGY, and the first commit after the array was
+ * given, refuses a null pointer and names its index. */
 typedef struct insitu_array {
   size_t size;
   const void* data;

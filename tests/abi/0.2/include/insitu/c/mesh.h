@@ -83,6 +83,10 @@ typedef enum insitu_faces_form INSITU_INT {
  *  are int32 or int64, evenly spaced, and count from index_base. How such cells are located is told
  *  in doc/guide/polyhedra.md.
  *
+ *  Rings may also lie in records of their own, as in OpenFOAM's lists of faces. Then vertices is
+ *  indirect (insitu_array): pointer i leads to the packed ids of face i, and offsets holds the
+ *  number of ids of each face. A commit of INSITU_CHANGED_TOPOLOGY refuses a null pointer.
+ *
  *  OWNERS: owner names one cell a face, and neighbour the other cell of the first
  *  neighbour.count faces, or an id below index_base where a face has no other. owner may have two
  *  components instead, which are both cells of a face. Faces of one cell may lie in arrays of their
@@ -96,15 +100,17 @@ typedef struct insitu_faces {
   int32_t index_base; /**< 0 or 1: the number from which ids and offsets count */
   int64_t cell_count;
   int64_t face_count;    /**< of the arrays vertices and offsets */
-  insitu_array vertices; /**< the ids of the faces' vertices, face after face */
+  insitu_array vertices; /**< the ids of the faces' vertices, face after face; if indirect,
+                              [face_count] */
   insitu_array offsets;  /**< [face_count + 1]: the places in vertices where the ids of faces start,
-                              and the end of the last face's */
+                              and the end of the last face's; where vertices is indirect,
+                              [face_count]: how many ids each face has */
   insitu_array owner;    /**< for OWNERS: [face_count], one or two components */
   insitu_array neighbour;         /**< for OWNERS: at most [face_count]; no items if owner has two
                                        components */
   int64_t boundary_count;         /**< for OWNERS: the number of faces in the next three arrays */
   insitu_array boundary_vertices; /**< as vertices */
-  insitu_array boundary_offsets;  /**< [boundary_count + 1] */
+  insitu_array boundary_offsets;  /**< [boundary_count + 1], as offsets */
   insitu_array boundary_owner;    /**< [boundary_count] */
   int64_t far_cells;              /**< for OWNERS: so many ids from the last cell's on stand for
                                        cells that the piece does not have, such as those of other
