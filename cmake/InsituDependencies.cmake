@@ -88,6 +88,21 @@ if(NOT INSITU_WITH_MPI STREQUAL "OFF")
   endif()
 endif()
 
+# OpenFOAM's function objects. Debian has its libraries; the headers come with its sources (doc/guide/openfoam.md).
+set(INSITU_HAVE_OPENFOAM OFF)
+if(NOT INSITU_WITH_OPENFOAM STREQUAL "OFF" AND INSITU_HAVE_MPI)
+  if(INSITU_WITH_OPENFOAM STREQUAL "ON")
+    find_package(OpenFOAM REQUIRED)
+  else()
+    find_package(OpenFOAM QUIET)
+  endif()
+  if(OpenFOAM_FOUND)
+    set(INSITU_HAVE_OPENFOAM ON)
+  else()
+    message(STATUS "insitu: OpenFOAM not found (OpenFOAM_ROOT: sources with their lnInclude folders) - no libinsituFoam.so")
+  endif()
+endif()
+
 # Kernels are compiled for cards from Turing on; CMAKE_CUDA_ARCHITECTURES chooses others.
 set(INSITU_HAVE_CUDA OFF)
 set(INSITU_HAVE_OPTIX OFF)

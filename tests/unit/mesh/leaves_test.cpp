@@ -169,7 +169,8 @@ TEST_F(Adaptive, PointersAreCheckedAtTopologyCommitsAndWhenNew) {
 TEST_F(Adaptive, PointersWhereTheyAreNotFollowed) {
   const Forest forest(8);
   insitu_array a = forest.values(0, 3);
-  expect_refused(INSITU_ERROR_ARGUMENT, {"points", "indirect", "only fields and leaves"},
+  expect_refused(INSITU_ERROR_ARGUMENT,
+                 {"points", "indirect", "only fields, leaves and the vertices of faces"},
                  [&] { mesh.set_points(0, &a, 1); });
   insitu_cells cells = insitu_cells_default();
   cells.count = 8;

@@ -1,0 +1,23 @@
+#include "communicator.h"
+
+#include <PstreamGlobals.H>
+#include <UPstream.H>
+#include <insitu/insitu.hpp> // before OpenFOAM's headers, which make a macro of Log
+
+namespace Foam::PstreamGlobals {
+// A Pstream that knows no MPI has no such list.
+extern DynamicList<MPI_Comm> MPICommunicators_ __attribute__((weak));
+} // namespace Foam::PstreamGlobals
+
+namespace insitu::foam {
+
+const void* world_communicator() {
+  if (!Foam::UPstream::parRun())
+    return nullptr;
+  auto* const all = &Foam::PstreamGlobals::MPICommunicators_;
+  if (!all || all->size() <= Foam::UPstream::worldComm)
+    throw Error(INSITU_ERROR_UNSUPPORTED, "OpenFOAM's Pstream has no communicators of MPI");
+  return &(*all)[Foam::UPstream::worldComm];
+}
+
+} // namespace insitu::foam

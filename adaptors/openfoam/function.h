@@ -1,0 +1,38 @@
+#pragma once
+
+#include <fvMeshFunctionObject.H>
+#include <optional>
+#include <set>
+
+#include "mesh.h"
+
+namespace insitu::foam {
+
+/// The function object `insitu` of libinsituFoam.so, which runs a scene inside a solver: a session
+/// from its construction to the end of the run. Whatever goes wrong is a warning, and the solver
+/// goes on. Parallel runs construct, execute and end it on all processes.
+class InsituFunction : public Foam::functionObjects::fvMeshFunctionObject {
+public:
+  using word = Foam::word; // which the macro names
+  TypeName("insitu");
+
+  InsituFunction(const Foam::word& name, const Foam::Time& time, const Foam::dictionary& entries);
+
+  bool read(const Foam::dictionary& entries) override;
+  bool execute() override;
+  bool write() override { return true; } ///< the scene says when something is written
+  bool end() override;
+  void updateMesh(const Foam::mapPolyMesh& changes) override;
+  void movePoints(const Foam::polyMesh& mesh) override;
+
+private:
+  void open(const Foam::dictionary& entries);
+  void warn(const std::string& text);
+
+  Foam::wordRes fields_;             ///< empty: all
+  std::set<std::string> warned_;     ///< each text once
+  std::optional<Session> session_;   ///< none if it could not be opened, or is closed
+  std::optional<BorrowedMesh> lent_; ///< of the session
+};
+
+} // namespace insitu::foam
