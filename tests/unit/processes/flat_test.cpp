@@ -106,6 +106,7 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
         ADD_FAILURE() << message;
     };
     api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+    session.open(o);
     commit::CommittedMesh& mesh = session.mesh("m").mesh;
     if (!part.cells.empty())
       part.give(mesh.mesh());
