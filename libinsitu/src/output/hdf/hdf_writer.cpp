@@ -1,11 +1,13 @@
 #include "output/hdf/hdf_writer.h"
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 #include <vector>
 
 #include "core/status.h"
 #include "output/files/atomic_file.h"
+#include "output/hdf/hdf_disk.h"
 #include "output/hdf/hdf_library.h"
 
 namespace insitu::output {
@@ -17,6 +19,7 @@ struct HdfWriter::File {
   explicit File(const std::string& target) : place(target) {}
 
   AtomicFile place; ///< first, so that the unfinished file is closed before it goes
+  hdf::Disk disk;
   Handle file;
   // The dataset that was written to last.
   std::string path;
@@ -27,6 +30,12 @@ struct HdfWriter::File {
   [[noreturn]] void fail(const std::string& where) const {
     throw core::Error(INSITU_ERROR_FILE,
                       "cannot write '" + place.target() + "': " + where + ": " + hdf::reason());
+  }
+  /// Of what has come to the disk so far.
+  void check_disk(const std::string& where) const {
+    if (disk.error() != 0)
+      throw core::Error(INSITU_ERROR_FILE, "cannot write '" + place.target() + "': " + where +
+                                               ": " + std::strerror(disk.error()));
   }
   hid_t check(hid_t id, const std::string& where) const {
     if (id < 0)
@@ -44,12 +53,11 @@ struct HdfWriter::File {
 void HdfWriter::require_hdf5(const std::string&) {}
 
 HdfWriter::HdfWriter(const std::string& path) {
-  file_ = std::make_unique<File>(path);
   const Call call;
+  file_ = std::make_unique<File>(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // AtomicFile holds a lock on the unfinished file, which HDF5 would wait for. Headers of this
-  // version have checksums.
-  if (access.get() < 0 || H5Pset_file_locking(access.get(), false, true) < 0 ||
+  // Headers of this version have checksums.
+  if (access.get() < 0 || !file_->disk.open() || !file_->disk.serve(access.get()) ||
       H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V110) < 0 ||
       H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG) < 0)
     file_->fail("/");
@@ -159,6 +167,7 @@ void HdfWriter::write(const std::string& where, std::int64_t first,
   const std::byte* from = numbers.data();
   file_->write_range(0, start, hsize_t(first),
                      numbers.size() / H5Tget_size(hdf::type_of(file_->type)), from);
+  file_->check_disk(where);
 }
 
 void HdfWriter::File::write_attribute(const std::string& where, const char* name, hid_t in_file,
@@ -209,6 +218,7 @@ void HdfWriter::commit() {
     const Call call;
     if (!file_->dataset.reset() || !file_->file.reset())
       file_->fail("/");
+    file_->check_disk("/");
   }
   file_->place.commit();
 }
