@@ -1,8 +1,11 @@
 #include "communicator.h"
 
+// OpenFOAM makes a macro of Log, so its headers come last.
+// clang-format off
+#include <insitu/insitu.hpp>
 #include <PstreamGlobals.H>
 #include <UPstream.H>
-#include <insitu/insitu.hpp> // before OpenFOAM's headers, which make a macro of Log
+// clang-format on
 
 namespace Foam::PstreamGlobals {
 // A Pstream that knows no MPI has no such list.

@@ -1,10 +1,12 @@
 #pragma once
 
+// OpenFOAM makes a macro of Log, so its headers come last.
+// clang-format off
+#include "mesh.h"
 #include <fvMeshFunctionObject.H>
 #include <optional>
 #include <set>
-
-#include "mesh.h"
+// clang-format on
 
 namespace insitu::foam {
 

@@ -1,12 +1,15 @@
 #pragma once
 
-#include <fvMesh.H>
-#include <insitu/insitu.hpp> // before OpenFOAM's headers, which make a macro of Log
-#include <labelIOList.H>
+// OpenFOAM makes a macro of Log, so its headers come last.
+// clang-format off
+#include <insitu/insitu.hpp>
 #include <optional>
 #include <set>
 #include <string>
+#include <fvMesh.H>
+#include <labelIOList.H>
 #include <wordRes.H>
+// clang-format on
 
 namespace insitu::foam {
 
