@@ -53,7 +53,7 @@ void InsituFunction::open(const Foam::dictionary& entries) {
     options.communicator = world_communicator();
     session_.emplace(options);
     lent_.emplace(mesh_, session_->mesh(mesh).handle());
-  } catch (const Error& e) { // on all processes alike
+  } catch (const std::exception& e) { // on all processes alike
     warn(e.what());
     session_.reset();
   }
@@ -65,7 +65,7 @@ bool InsituFunction::execute() {
   lent_->give(fields_);
   try {
     session_->execute(mesh_.time().timeIndex(), mesh_.time().value());
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     warn(e.what());
   }
   return true;
@@ -75,7 +75,7 @@ bool InsituFunction::end() {
   if (session_)
     try {
       session_->close();
-    } catch (const Error& e) {
+    } catch (const std::exception& e) {
       warn(e.what());
     }
   lent_.reset();

@@ -73,7 +73,7 @@ void BorrowedMesh::give(const Foam::wordRes& names) {
     if (is_refused_)
       check(insitu_mesh_refuse(to_, nullptr));
     is_refused_ = false;
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     is_refused_ = true;
     (void)insitu_mesh_refuse(to_, e.what());
   }

@@ -261,7 +261,7 @@ private:
         throw;
       insitu_locate_args args = insitu_locate_args_default();
       args.scope = INSITU_SCOPE_EVERYWHERE;
-      args.point_arrays = INT32_MIN;
+      args.point_arrays = INSITU_LACKS_MEMORY;
       detail::check(insitu_mesh_locate(handle(), &args));
       throw; // in a session that asks nobody
     }

@@ -48,7 +48,7 @@ std::string told(const insitu_frame& f) {
 /// Throws for options with which no session is made.
 void check(const insitu_session_options& options) {
   core::require_simd_target();
-  if (options.threads == INT32_MIN)
+  if (options.threads == INSITU_LACKS_MEMORY)
     throw Error(INSITU_ERROR_MEMORY, "out of memory");
   if (options.threads < 0)
     throw Error(INSITU_ERROR_ARGUMENT,

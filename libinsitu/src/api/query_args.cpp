@@ -10,6 +10,8 @@ using core::Error;
 
 QueryPoints::QueryPoints(const insitu_locate_args& args) {
   core::check_argument(&args, "args");
+  if (args.point_arrays == INSITU_LACKS_MEMORY)
+    throw Error(INSITU_ERROR_MEMORY, "out of memory");
   if (!args.points || (args.point_arrays != 1 && args.point_arrays != 3))
     throw Error(INSITU_ERROR_ARGUMENT,
                 !args.points

@@ -74,8 +74,6 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
   std::vector<math::Vec3d> points;
   std::vector<std::string> names;
   world.agree_after([&] {
-    if (args.point_arrays == INT32_MIN)
-      throw Error(INSITU_ERROR_MEMORY, "out of memory");
     const commit::CommittedMesh& mesh = committed(to);
     const QueryPoints given(args);
     QueryOutputs(args, given.count()).refuse_overlaps(given, mesh.mesh(), {});

@@ -72,8 +72,9 @@ struct PointsView {
   ItemLayout layout;
   bool is_float32 = false;
 
-  INSITU_HD math::Vec3d load(std::int64_t id) const {
-    const std::int64_t o = layout.offset(id);
+  INSITU_HD math::Vec3d load(std::int64_t id) const { return at(layout.offset(id)); }
+  /// At an offset of `layout`.
+  INSITU_HD math::Vec3d at(std::int64_t o) const {
     return {load_real(component[0] + o, is_float32), load_real(component[1] + o, is_float32),
             load_real(component[2] + o, is_float32)};
   }

@@ -235,8 +235,22 @@ struct PieceView {
                              math::Vec3d* x) const {
     if (in_runs())
       return gridlets->points(cell, x);
+    if (is_section()) { // the offset of a vertex takes divisions
+      const std::int64_t first = points.layout.offset(ids[0]);
+      for (int v = 0; v < 8; ++v)
+        x[v] =
+            points.at(first + ((v ^ v >> 1) & 1) * points.layout.stride[0] +
+                      (v >> 1 & 1) * points.layout.stride[1] + (v >> 2) * points.layout.stride[2]);
+      return;
+    }
     for (int v = 0; v < count; ++v)
       x[v] = point(ids[v]);
+  }
+  /// Whether the vertices are those of a block whose coordinates are a section of larger arrays.
+  INSITU_HD bool is_section() const {
+    return !points.layout.linear && layout == CellLayout::block && !implicit_points &&
+           points.layout.extent[0] == block_vertices[0] &&
+           points.layout.extent[1] == block_vertices[1];
   }
 
   /// Id v of 8 in the padded layout, as the solver counts; -1 is padding.

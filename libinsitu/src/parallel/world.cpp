@@ -46,18 +46,24 @@ std::span<std::byte> bytes_of(std::string& text) {
   return std::as_writable_bytes(std::span(text.data(), text.size()));
 }
 
+/// Does the work; if it throws, failed(status, message) before the exception ends.
+template <class Failed>
+void attempt(core::FunctionRef<void()> work, Failed&& failed) {
+  try {
+    work();
+  } catch (const core::Error& e) {
+    failed(e.status(), e.what());
+  } catch (const std::bad_alloc&) {
+    failed(INSITU_ERROR_MEMORY, "out of memory");
+  } catch (const std::exception& e) {
+    failed(INSITU_ERROR_INTERNAL, e.what());
+  }
+}
+
 /// How work ended on this process. It takes no memory, which may be what is lacking.
 struct Outcome {
   explicit Outcome(core::FunctionRef<void()> work) {
-    try {
-      work();
-    } catch (const core::Error& e) {
-      failed(e.status(), e.what());
-    } catch (const std::bad_alloc&) {
-      failed(INSITU_ERROR_MEMORY, "out of memory");
-    } catch (const std::exception& e) {
-      failed(INSITU_ERROR_INTERNAL, e.what());
-    }
+    attempt(work, [this](insitu_status with, const char* what) { failed(with, what); });
   }
   void failed(insitu_status with, const char* what) {
     status = with;
@@ -189,6 +195,10 @@ void World::agree(const core::Error* failure) {
 }
 
 void World::agree_after(core::FunctionRef<void()> work) {
+  if (size() == 1) // whose message is not cut
+    return attempt(work, [](insitu_status status, const char* what) {
+      throw AgreedError(status, what, true);
+    });
   const Outcome outcome(work);
   agree_on(*this, outcome.status, outcome.said);
 }

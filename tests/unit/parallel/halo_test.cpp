@@ -2,48 +2,18 @@
 #include <map>
 #include <set>
 
-#include "commit/halo/everywhere.h"
 #include "commit/halo/seam_faces.h"
-#include "fixtures/parts.h"
-#include "part_of_mesh.h"
-#include "threaded_world.h"
+#include "process_of_whole.h"
 
 using namespace insitu;
 using math::Vec3d;
+using test::Answer;
+using test::answers_of;
+using test::hard_points;
+using test::mesh_of;
+using test::Process;
 
 namespace {
-
-test::TestMesh mesh_of(std::uint64_t seed, double jitter = 0.2) {
-  test::MeshOptions options;
-  options.size = 4;
-  options.jitter = jitter;
-  options.kind = test::MeshKind(seed % 6);
-  return test::make_mesh(options, seed);
-}
-
-/// A process's part of a whole mesh, committed, with a field on vertices and one on cells.
-struct Process : test::PartOfMesh<fixtures::Part> {
-  Process(const test::TestMesh& whole, const fixtures::Partition& partition,
-          parallel::World& world_, bool ids = true)
-      : PartOfMesh(world_, whole, partition) {
-    part.give(mesh.mesh(), ids);
-    give_fields(whole, 1.0);
-    commit();
-  }
-  void give_fields(const test::TestMesh& whole, double factor) {
-    std::vector<double> of_cells, of_vertices;
-    for (std::size_t c = 0; c < whole.cells.size(); ++c)
-      of_cells.push_back(factor * double(c));
-    for (const Vec3d& x : whole.vertices)
-      of_vertices.insert(of_vertices.end(), {factor * std::sin(3 * x.x), x.y * x.z});
-    part.give_field(mesh.mesh(), "cell", INSITU_CELL, 1, of_cells);
-    part.give_field(mesh.mesh(), "vertex", INSITU_VERTEX, 2, of_vertices);
-  }
-  void commit() {
-    mesh.commit(threads, log, memory, false);
-    mesh.update_halo(world, threads, log);
-  }
-};
 
 std::set<int> vertices_of(const test::MeshCell& cell) {
   return {cell.vertices.begin(), cell.vertices.begin() + mesh::vertex_count(cell.shape)};
@@ -84,55 +54,6 @@ void expect_whole_about_own_cells(const test::TestMesh& whole, const fixtures::P
     for (const int v : vertices_of(whole.cells[c]))
       EXPECT_TRUE(here.contains(std::int64_t(c)) || !own_vertices.contains(v))
           << which << ": lacks cell " << c;
-}
-
-/// Vertices, middles of cells and of pairs of vertices, and points anywhere.
-std::vector<Vec3d> hard_points(const test::TestMesh& mesh) {
-  std::vector<Vec3d> points = mesh.vertices;
-  for (const test::MeshCell& cell : mesh.cells) {
-    const int n = mesh::vertex_count(cell.shape);
-    const auto x = [&](int v) {
-      return mesh.vertices[std::size_t(cell.vertices[std::size_t(v % n)])];
-    };
-    for (int v = 0; v < n; ++v)
-      points.push_back(0.5 * (x(v) + x(v + 1)));
-    points.push_back(0.25 * (x(0) + x(1) + x(2) + x(3)));
-  }
-  for (std::uint64_t i = 0; i < 300; ++i)
-    points.push_back({4.4 * core::random_unit(3, i, 0) - 0.2,
-                      4.4 * core::random_unit(3, i, 1) - 0.2,
-                      4.4 * core::random_unit(3, i, 2) - 0.2});
-  return points;
-}
-
-struct Answer {
-  std::int64_t cell = -1;
-  Vec3d parametric;
-  double values[3] = {0, 0, 0};
-};
-
-Answer answer_of(const Process& p, const Vec3d& x, bool one_by_one, const query::Location& found) {
-  const query::Sampler sampler = p.mesh.sampler();
-  const query::Location at = one_by_one ? sampler.locate(x) : found;
-  Answer a;
-  if (!at || !sampler.mesh().pieces[sampler.mesh().piece_of(at.cell)].owns(
-                 at.cell - sampler.mesh().first_cell[sampler.mesh().piece_of(at.cell)]))
-    return a;
-  a.cell = p.mesh.name(at.cell).global;
-  a.parametric = at.parametric;
-  sampler.interpolate(p.mesh.mesh().field("cell"), at, a.values);
-  sampler.interpolate(p.mesh.mesh().field("vertex"), at, a.values + 1);
-  return a;
-}
-
-std::vector<Answer> answers_of(const Process& p, const std::vector<Vec3d>& points, bool batch) {
-  std::vector<query::Location> found(points.size());
-  if (batch)
-    p.mesh.sampler().locate(p.threads, points, found);
-  std::vector<Answer> all;
-  for (std::size_t i = 0; i < points.size(); ++i)
-    all.push_back(answer_of(p, points[i], !batch, found[i]));
-  return all;
 }
 
 } // namespace
@@ -280,103 +201,6 @@ TEST(Halo, TheTreeIsBuiltOnceWithIt) {
       for (std::size_t i = 0; i < points.size(); ++i) {
         EXPECT_EQ(again[i].cell, truth[i].cell) << partition.name << ", point " << i;
         EXPECT_EQ(again[i].parametric, truth[i].parametric) << partition.name << ", point " << i;
-      }
-    });
-}
-
-/// Each process asks some of the points; with a halo and without.
-TEST(Everywhere, AnswersAsOneProcessDoes) {
-  const std::vector<std::string> fields{"vertex", "cell"};
-  for (const std::uint64_t seed : {0, 3, 5}) {
-    const test::TestMesh whole = mesh_of(seed);
-    const std::vector<Vec3d> points = hard_points(whole);
-    std::vector<Answer> truth;
-    test::run_processes(1, [&](parallel::World& world) {
-      truth = answers_of(Process(whole, fixtures::slabs(whole, 1), world), points, true);
-    });
-    for (const int processes : {1, 2, 3, 8})
-      for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
-        test::run_processes(processes, [&](parallel::World& world) {
-          const Process p(whole, partition, world);
-          std::vector<std::size_t> mine;
-          std::vector<Vec3d> asked;
-          for (std::size_t i = 0; i < points.size(); ++i)
-            if (world.size() == 1 || int(i % 3) == world.rank()) { // some processes ask nothing
-              mine.push_back(i);
-              asked.push_back(points[i]);
-            }
-          std::size_t answered = 0;
-          commit::Everywhere(p.mesh, world)
-              .sample(asked, fields, {}, p.threads,
-                      [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
-                          std::span<const double> values) {
-                        for (std::size_t k = 0; k < owners.size(); ++k) {
-                          const Answer& a = truth[mine[first + k]];
-                          const std::string which = partition.name + " on " +
-                                                    std::to_string(processes) + ", point " +
-                                                    std::to_string(mine[first + k]);
-                          ASSERT_EQ(bool(owners[k]), a.cell >= 0) << which;
-                          ++answered;
-                          if (!owners[k]) {
-                            EXPECT_TRUE(std::isnan(values[3 * k])) << which;
-                            continue;
-                          }
-                          EXPECT_EQ(owners[k].cell.global, a.cell) << which;
-                          EXPECT_EQ(owners[k].cell.rank, partition.process[std::size_t(a.cell)]);
-                          EXPECT_EQ(owners[k].parametric, a.parametric) << which;
-                          EXPECT_EQ(values[3 * k], a.values[1]) << which;
-                          EXPECT_EQ(values[3 * k + 1], a.values[2]) << which;
-                          EXPECT_EQ(values[3 * k + 2], a.values[0]) << which;
-                        }
-                      });
-          EXPECT_EQ(answered, asked.size());
-        });
-  }
-}
-
-/// Of the vertices that processes share each counts once, with global ids.
-TEST(Everywhere, NearestVerticesAreThoseOfOneProcess) {
-  const test::TestMesh whole = mesh_of(3);
-  const std::vector<Vec3d> points = hard_points(whole);
-  using Found = std::vector<query::NearVertex>;
-  for (const std::size_t most : {1u, 9u}) {
-    std::vector<Found> truth(points.size());
-    test::run_processes(1, [&](parallel::World& world) {
-      const Process p(whole, fixtures::slabs(whole, 1), world);
-      commit::Everywhere(p.mesh, world)
-          .nearest_vertices(points, most, 3.0, p.threads,
-                            [&](std::size_t i, const Found& found) { truth[i] = found; });
-    });
-    for (const fixtures::Partition& partition : fixtures::partitions(whole, 4))
-      test::run_processes(4, [&](parallel::World& world) {
-        const Process p(whole, partition, world);
-        const std::span<const Vec3d> asked =
-            world.rank() == 2 ? std::span<const Vec3d>(points) : std::span<const Vec3d>();
-        commit::Everywhere(p.mesh, world)
-            .nearest_vertices(asked, most, 3.0, p.threads, [&](std::size_t i, const Found& found) {
-              ASSERT_EQ(found.size(), truth[i].size()) << partition.name << ", point " << i;
-              for (std::size_t k = 0; k < found.size(); ++k) {
-                EXPECT_EQ(found[k].global, truth[i][k].global) << partition.name << i;
-                EXPECT_EQ(found[k].squared, truth[i][k].squared) << partition.name << i;
-              }
-            });
-      });
-  }
-}
-
-TEST(Everywhere, NamesAFieldThatNobodyHas) {
-  const test::TestMesh whole = mesh_of(0);
-  for (const fixtures::Partition& partition : fixtures::partitions(whole, 3))
-    test::run_processes(3, [&](parallel::World& world) {
-      const Process p(whole, partition, world);
-      const std::vector<std::string> fields{"pressure"};
-      commit::Everywhere everywhere(p.mesh, world);
-      try {
-        everywhere.components(fields);
-        ADD_FAILURE() << "no error";
-      } catch (const parallel::AgreedError& e) {
-        EXPECT_EQ(e.status(), INSITU_ERROR_FIELD);
-        EXPECT_NE(std::string(e.what()).find("'pressure'"), std::string::npos) << e.what();
       }
     });
 }

@@ -17,6 +17,19 @@ TEST(World, KeepsItsPromisesOnAnyNumberOfProcesses) {
   }
 }
 
+/// Of one process nothing is sent, so nothing is cut.
+TEST(World, AMessageOfOneProcessIsWhole) {
+  const std::string what(9000, 'x');
+  parallel::SerialWorld world;
+  try {
+    world.agree_after([&] { throw core::Error(INSITU_ERROR_SCENE, what); });
+    ADD_FAILURE();
+  } catch (const parallel::AgreedError& e) {
+    EXPECT_EQ(e.what(), what);
+    EXPECT_EQ(e.status(), INSITU_ERROR_SCENE);
+  }
+}
+
 /// One that cannot send its parcels makes nobody wait for them.
 TEST(World, AFailureWithinAnExchangeIsAgreedOn) {
   run_processes(3, [](parallel::World& world) {

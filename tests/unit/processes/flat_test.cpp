@@ -97,30 +97,21 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
   const std::string out = folder / "out";
   run_processes(processes, [&](parallel::World& world) {
     FlatPart part(whole, process, world.rank());
-    insitu_session_options o = insitu_session_options_default();
-    o.scene_text = scene;
-    o.output = out.c_str();
-    o.threads = 1;
-    o.log = [](insitu_log_level level, const char* message, void*) {
-      if (level <= INSITU_LOG_WARNING)
-        ADD_FAILURE() << message;
-    };
-    api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
-    session.open(o);
-    commit::CommittedMesh& mesh = session.mesh("m").mesh;
-    if (!part.cells.empty())
-      part.give(mesh.mesh());
-    for (int cycle = 0; cycle < 2; ++cycle) {
-      if (cycle > 0 && moves) {
-        for (std::size_t v = 0; v < part.xy.size(); v += 2)
-          part.xy[v] += 0.03 * std::sin(part.xy[v] + part.xy[v + 1]);
-        mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
-      }
+    with_session(world, scene, out, [&](api::Session& session) {
+      commit::CommittedMesh& mesh = session.mesh("m").mesh;
       if (!part.cells.empty())
-        part.give_fields(mesh.mesh(), 0.37 * cycle, 0.5 * n);
-      EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
-    }
-    EXPECT_EQ(session.finish(), "");
+        part.give(mesh.mesh());
+      for (int cycle = 0; cycle < 2; ++cycle) {
+        if (cycle > 0 && moves) {
+          for (std::size_t v = 0; v < part.xy.size(); v += 2)
+            part.xy[v] += 0.03 * std::sin(part.xy[v] + part.xy[v + 1]);
+          mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
+        }
+        if (!part.cells.empty())
+          part.give_fields(mesh.mesh(), 0.37 * cycle, 0.5 * n);
+        EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
+      }
+    });
   });
   return files_of(out);
 }

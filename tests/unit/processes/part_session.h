@@ -105,6 +105,23 @@ private:
   api::Session session_;
 };
 
+/// A session of one process: opened, given to act(session), and closed. Warnings are failures.
+template <class Act>
+void with_session(parallel::World& world, const char* scene, const std::string& out, Act&& act) {
+  insitu_session_options o = insitu_session_options_default();
+  o.scene_text = scene;
+  o.output = out.c_str();
+  o.threads = 1;
+  o.log = [](insitu_log_level level, const char* message, void*) {
+    if (level <= INSITU_LOG_WARNING)
+      ADD_FAILURE() << message;
+  };
+  api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
+  session.open(o);
+  act(session);
+  EXPECT_EQ(session.finish(), "");
+}
+
 /// A folder of a test's own, which goes with it.
 class OwnFolder {
 public:

@@ -104,30 +104,21 @@ std::map<std::string, std::string> run(const FaceMesh& whole, const std::vector<
   const std::string out = folder / "out";
   run_processes(processes, [&](parallel::World& world) {
     FacePart part(whole, process, world.rank());
-    insitu_session_options o = insitu_session_options_default();
-    o.scene_text = scene;
-    o.output = out.c_str();
-    o.threads = 1;
-    o.log = [](insitu_log_level level, const char* message, void*) {
-      if (level <= INSITU_LOG_WARNING)
-        ADD_FAILURE() << message;
-    };
-    api::Session session(o, std::shared_ptr<parallel::World>(&world, [](auto*) {}));
-    session.open(o);
-    commit::CommittedMesh& mesh = session.mesh("m").mesh;
-    if (!part.cells.empty())
-      part.give(mesh.mesh());
-    for (int cycle = 0; cycle < 3; ++cycle) {
-      if (cycle > 0 && moves) {
-        for (double& x : part.arrays.points)
-          x += 0.02 * std::sin(x);
-        mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
-      }
+    with_session(world, scene, out, [&](api::Session& session) {
+      commit::CommittedMesh& mesh = session.mesh("m").mesh;
       if (!part.cells.empty())
-        part.give_fields(mesh.mesh(), 0.37 * cycle);
-      EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
-    }
-    EXPECT_EQ(session.finish(), "");
+        part.give(mesh.mesh());
+      for (int cycle = 0; cycle < 3; ++cycle) {
+        if (cycle > 0 && moves) {
+          for (double& x : part.arrays.points)
+            x += 0.02 * std::sin(x);
+          mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
+        }
+        if (!part.cells.empty())
+          part.give_fields(mesh.mesh(), 0.37 * cycle);
+        EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
+      }
+    });
   });
   return files_of(out);
 }

@@ -73,16 +73,24 @@ TEST(NearestOnCell, OnASaddle) {
   }
 }
 
-// From all points of its axis a whole circle of directions is nearly as near: bounded work.
+// Down its axis a warped quad has places that a whole arc of it is equally far from: bounded work,
+// and no point of a fine grid is nearer.
 TEST(NearestOnCell, WhereAnArcIsEquallyNear) {
-  std::vector<Vec3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0},
-                       {0, 0, 3}, {1, 0, 3}, {1, 1, 3}, {0, 1, 3}};
+  constexpr int steps = 40;
+  const std::vector<Vec3d> x{{0, 0, 0}, {1, 0, 0}, {1, 1, 1}, {0, 1, 0},
+                             {0, 0, 3}, {1, 0, 3}, {1, 1, 3}, {0, 1, 3}};
   for (int i = 0; i < 200; ++i) {
     const Vec3d p{0.5, 0.5, 0.25 - 0.02 * i};
-    const query::NearestOnCell found =
-        query::nearest_on_cell(mesh::Shape::hexahedron, x.data(), p, {}, any);
-    ASSERT_TRUE(found.on);
-    EXPECT_NEAR(length(found.point - p), std::sqrt(found.squared), 1e-14);
+    const double found =
+        std::sqrt(query::nearest_on_cell(mesh::Shape::hexahedron, x.data(), p, {}, any).squared);
+    double least = any;
+    for (int u = 0; u <= steps; ++u)
+      for (int v = 0; v <= steps; ++v) {
+        const double s = double(u) / steps, t = double(v) / steps;
+        least = std::min(least, length(Vec3d{s, t, s * t} - p));
+      }
+    EXPECT_LE(found, least * (1 + 1e-14)) << i;
+    EXPECT_GE(found, least - 2.0 / steps) << i;
   }
 }
 
@@ -227,6 +235,29 @@ TEST(NearestVertices, AreTheFirstOfAll) {
       EXPECT_EQ(visited, points.size());
     }
   }
+}
+
+// Around a pole too, where longitudes tell nothing: the vertex that is found is the nearest by the
+// geodesic, or as near as a chart's lengths are right, a hundredth.
+TEST(NearestVertices, AroundAPole) {
+  const test::TestMesh from =
+      fixtures::globe({.subdivisions = 4, .tilt = 0.3, .levels = {-100, 0}});
+  const test::Earth m(from);
+  test::Random random(12);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 100; ++i)
+    points.push_back(
+        random.uniform({-180, i % 2 ? 87.0 : -90.0, 0}, {180, i % 2 ? 90.0 : -87.0, 0}));
+  commit::nearest_vertices(m.mesh, points, 1, any, 0, m.threads,
+                           [&](std::size_t i, const query::NearVertices& found) {
+                             double least = any;
+                             for (const Vec3d& x : from.vertices)
+                               if (x.z == 0.0)
+                                 least = std::min(least, geo::separation(points[i], x).distance);
+                             ASSERT_EQ(found.found().size(), 1u);
+                             EXPECT_NEAR(std::sqrt(found.found()[0].squared), least, 0.01 * least)
+                                 << test::text(points[i]);
+                           });
 }
 
 // A strait of cells from 170 degrees east to 170 west; gauges stand on its shores, on both sides of

@@ -33,8 +33,8 @@ typedef struct insitu_session_options {
   const char* output;     /**< output folder, which overrides the scene's; null: the scene's */
   int32_t default_scene;  /**< 1: a session without a scene draws the first scalar field every tenth
                                cycle */
-  int32_t threads; /**< at most so many threads run; 0: all that the process's affinity allows;
-                        INT32_MIN: the caller lacks memory, and opening fails on all */
+  int32_t threads;        /**< the most threads that the session runs; 0: all that the process's
+                               affinity allows; or INSITU_LACKS_MEMORY */
   int32_t strict;         /**< 1: commits refuse arrays that would have to be copied or converted */
   insitu_log_level log_level; /**< messages up to this level reach the log */
   insitu_log_function log;    /**< null: errors and warnings go to stderr */

@@ -63,11 +63,10 @@ public:
         return;
       }
     Vec3d x[8];
+    p_.cell_points(cell, ids, n, x);
     bool finite = true;
-    for (int v = 0; v < n; ++v) {
-      x[v] = p_.point(ids[v]);
+    for (int v = 0; v < n; ++v)
       finite &= std::isfinite(x[v].x) & std::isfinite(x[v].y) & std::isfinite(x[v].z);
-    }
     if (!finite)
       return refuse_coordinates(cell, n, ids, x, f);
     if (shape != shape_ || block_.count == CellBlock::size)

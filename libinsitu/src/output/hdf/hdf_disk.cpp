@@ -7,6 +7,7 @@
 #include <new>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 namespace insitu::output::hdf {
 

@@ -12,10 +12,9 @@ namespace insitu::output::hdf {
 /// files tells HDF5 of every write that it went well, and remembers the first that did not.
 class Disk {
 public:
-  /// Throws nothing; see open().
   Disk();
 
-  /// Whether the driver could be made.
+  /// Whether HDF5 has taken the driver.
   bool open() const { return driver_.open(); }
   /// Lets files of this property list (H5P_FILE_ACCESS) be written so; the object must outlive
   /// them. Returns whether all went well.

@@ -38,7 +38,7 @@ Metric metric_at(const geo::ChartUnits& units, double latitude, double true_lati
 
 } // namespace
 
-Images::Images(const Vec3d& p, const ChartImage* chart) {
+Images::Images(const Vec3d& p, const ChartImage* chart) : chart_(chart) {
   if (!chart) {
     at[count++] = p;
     return;
@@ -49,12 +49,19 @@ Images::Images(const Vec3d& p, const ChartImage* chart) {
     metric[count] = metric_there;
     at[count++] = {plain.x + turns * chart->units.turn(), plain.y, plain.z};
   }
-  const geo::Pole pole = chart->pole_at(p.y);
-  if (pole == geo::Pole::none || !(std::abs(p.y) <= chart->units.quarter()))
+  pole_ = chart->pole_at(p.y);
+  if (pole_ == geo::Pole::none || !(std::abs(p.y) <= chart->units.quarter()))
     return;
-  at[count] = chart->turned(pole, p);
+  at[count] = chart->turned(pole_, p);
   metric[count] = metric_at(chart->units, at[count].y, p.y, p.z);
   ++count;
+}
+
+Vec3d Images::step(int i, const Vec3d& x) const {
+  Vec3d step = (i == 3 ? chart_->turned(pole_, x) : x) - at[i];
+  if (chart_)
+    step.x = std::remainder(step.x, chart_->units.turn());
+  return step;
 }
 
 void visit_near(const accel::Tree& tree, const Vec3d& image, const Metric& metric,

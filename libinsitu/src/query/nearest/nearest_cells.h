@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "geo/chart.h"
 #include "mesh/box.h"
 #include "query/directory.h"
 #include "query/nearest/nearest_on_cell.h"
@@ -22,6 +23,12 @@ struct Images {
   int count = 0;
 
   Images(const math::Vec3d& p, const ChartImage* chart);
+  /// From image i to a place of the mesh's frame, the short way round.
+  math::Vec3d step(int i, const math::Vec3d& x) const;
+
+private:
+  const ChartImage* chart_;
+  geo::Pole pole_ = geo::Pole::none; ///< of the last image, if there are four
 };
 
 /// The cell nearest to a place, of a process's own.

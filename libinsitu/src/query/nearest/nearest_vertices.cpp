@@ -4,8 +4,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "query/chart_image.h"
-
 namespace insitu::query {
 
 using math::Vec3d;
@@ -34,10 +32,7 @@ void NearVertices::take(const NearVertex& vertex) {
 }
 
 void NearestVertices::find(const Vec3d& p, NearVertices& found) const {
-  const ChartImage* const chart = sampler_.chart();
-  const Images images(p, chart);
-  const Metric& metric = images.metric[0]; // of the place itself
-  const double turn = chart ? chart->units.turn() : 0.0;
+  const Images images(p, sampler_.chart());
   for (int i = 0; i < images.count; ++i) {
     const Vec3d& image = images.at[i];
     if (!std::isfinite(image.x + image.y + image.z))
@@ -55,10 +50,7 @@ void NearestVertices::find(const Vec3d& p, NearVertices& found) const {
             Vec3d x = cells.point(id);
             if (own_.is_flat)
               x.z = own_.plane;
-            Vec3d step = x - p;
-            if (chart)
-              step.x = std::remainder(step.x, turn);
-            const Vec3d from = metric.from({}, step);
+            const Vec3d from = images.metric[i].from({}, images.step(i, x));
             const double squared = math::dot(from, from);
             if (squared <= found.reach())
               found.take({squared, global_id_(own_.first_vertex[piece] + vertex), rank_, piece,

@@ -1,30 +1,7 @@
-#include "insitu/insitu.h"
-
 #include "commands.h"
+#include "commands/c_session.h"
 
 namespace insitu::bench {
-
-namespace {
-
-void check(insitu_status status) {
-  if (status != INSITU_OK)
-    throw std::runtime_error(std::string(insitu_status_name(status)) + ": " +
-                             insitu_last_message());
-}
-
-struct Session {
-  explicit Session(int threads) {
-    insitu_session_options options = insitu_session_options_default();
-    options.threads = threads;
-    check(insitu_session_open(&options, &handle));
-  }
-  ~Session() { insitu_session_close(&handle); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-  insitu_session handle = {};
-};
-
-} // namespace
 
 FieldTimes time_fields(const Options& o, const workload::Mesh& mesh,
                        const std::vector<double>& field, std::span<const math::Vec3d> points) {

@@ -2,12 +2,11 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <stdexcept>
+#include <optional>
 #include <unistd.h>
 
-#include "insitu/insitu.h"
-
 #include "commands.h"
+#include "commands/c_session.h"
 #include "core/random.h"
 #include "report/format.h"
 #include "report/json.h"
@@ -15,12 +14,6 @@
 namespace insitu::bench {
 
 namespace {
-
-void check(insitu_status status) {
-  if (status != INSITU_OK)
-    throw std::runtime_error(std::string(insitu_status_name(status)) + ": " +
-                             insitu_last_message());
-}
 
 /// A scalar on the vertices of a block, or one component of a vector, in an array with `margin`
 /// more items on each side along each axis, as a solver's ghost layers are.
@@ -81,13 +74,8 @@ public:
                "[20, 20, 10]}}, integrator: {method: rk4, step: 0.002}}\nframes:\n"
                "  - {name: f, size: [%d, %d], volume: {field: s, opacity: [[0, 0], [6, 0.2]]}}\n",
                o.size, o.size);
-    const std::string out = folder.string();
-    insitu_session_options options = insitu_session_options_default();
-    options.threads = o.threads;
-    options.scene_text = scene.c_str();
-    options.output = out.c_str();
-    check(insitu_session_open(&options, &session_));
-    check(insitu_session_mesh(session_, "bench", &mesh_));
+    session_.emplace(o.threads, scene.c_str(), folder.string().c_str());
+    check(insitu_session_mesh(session_->handle, "bench", &mesh_));
     std::array<insitu_array, 7> arrays;
     for (std::size_t s = 0; s < 7; ++s)
       arrays[s] = sections_[s].array();
@@ -100,9 +88,6 @@ public:
     check(insitu_mesh_field(mesh_, 0, "u", INSITU_VERTEX, &arrays[4], 3));
     check(insitu_mesh_commit(mesh_, nullptr));
   }
-  ~Block() { insitu_session_close(&session_); }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
 
   void commit(std::uint32_t changed) {
     check(insitu_mesh_changed(mesh_, changed));
@@ -132,10 +117,10 @@ public:
   /// A cycle of the scene; returns the seconds of tracers and frames.
   std::array<double, 2> execute() {
     insitu_report before = insitu_report_default(), after = before;
-    check(insitu_session_report(session_, &before));
-    check(insitu_session_execute(session_, cycle_, double(cycle_) * 0.01));
+    check(insitu_session_report(session_->handle, &before));
+    check(insitu_session_execute(session_->handle, cycle_, double(cycle_) * 0.01));
     ++cycle_;
-    check(insitu_session_report(session_, &after));
+    check(insitu_session_report(session_->handle, &after));
     return {after.advect_s - before.advect_s, after.render_s - before.render_s};
   }
 
@@ -151,7 +136,7 @@ private:
 
   int n_;
   std::vector<Section> sections_; ///< x, y, z, s, u
-  insitu_session session_ = {};
+  std::optional<Session> session_;
   insitu_mesh mesh_ = {};
   double sign_ = 1.0;
   std::int64_t cycle_ = 0;

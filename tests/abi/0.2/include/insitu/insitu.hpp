@@ -89,7 +89,7 @@ public:
     try {
       log_ = std::make_unique<Log>(options.log);
     } catch (const std::bad_alloc&) { // other processes may wait for this one
-      o.threads = INT32_MIN;
+      o.threads = INSITU_LACKS_MEMORY;
     }
     o.strict = options.strict ? 1 : 0;
     o.log_level = static_cast<insitu_log_level>(options.log_level);

@@ -46,6 +46,10 @@ typedef enum insitu_status INSITU_INT {
   INSITU_ERROR_INTERNAL = 100
 } insitu_status;
 
+/** In the place of a number that a collective call asks for: the caller lacks memory of its own for
+ *  the call, which then fails on all processes with INSITU_ERROR_MEMORY, so that none waits. */
+#define INSITU_LACKS_MEMORY INT32_MIN
+
 /** Opaque handles of a session, and of a mesh that belongs to one session. */
 typedef struct insitu_session_handle* insitu_session;
 typedef struct insitu_mesh_handle* insitu_mesh;

@@ -73,7 +73,7 @@ typedef enum insitu_outside INSITU_INT {
 typedef struct insitu_locate_args {
   size_t size;
   const insitu_array* points;
-  int32_t point_arrays;      /**< 1 or 3; INT32_MIN: no memory; a query everywhere fails on all */
+  int32_t point_arrays;      /**< 1 or 3; or INSITU_LACKS_MEMORY */
   const insitu_frame* frame; /**< frame of the points; null: the mesh's */
   insitu_accuracy accuracy;
   int64_t cell_base;  /**< 0 or 1, which is added to the cell ids */
