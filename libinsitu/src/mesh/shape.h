@@ -43,6 +43,11 @@ INSITU_HD constexpr bool is_flat_shape(int value) {
   return value == 5 || value == 8 || value == 9;
 }
 
+/// The number of vertices of a cell by VTK's number of its type; 0: cells have no such type here.
+INSITU_HD constexpr int vertex_count_of(int type) {
+  return is_flat_shape(type) ? (type == 5 ? 3 : 4) : is_shape(type) ? vertex_count(Shape(type)) : 0;
+}
+
 /// VTK's numbers of cells of fewer than two dimensions, and of fewer than three.
 INSITU_HD constexpr bool is_below_area(int value) {
   return (value >= 1 && value <= 4) || value == 21;

@@ -74,11 +74,11 @@ FlatCell FlatSource::cell(std::int64_t c) const {
     if (!is_flat_shape(shape))
       return out;
     const std::int64_t start = from_base(given_.offsets.load(c), given_.index_base);
-    if (start < 0 || start > given_.connectivity.count - (shape == 5 ? 3 : 4))
+    if (start < 0 || start > given_.connectivity.count - vertex_count_of(shape))
       return out;
     base = given_.connectivity.data + start * given_.id_stride;
   }
-  const int most = shape == 5 ? 3 : 4;
+  const int most = vertex_count_of(shape);
   while (out.count < most) {
     const std::int64_t v = id(base + out.count * given_.id_stride);
     if (cells_.kind == FlatCells::Kind::padded && v < 0)
@@ -115,7 +115,7 @@ std::string FlatSource::fault(std::int64_t c) const {
     const std::int64_t given = given_.offsets.load(c);
     if (!is_flat_shape(type))
       return "type " + std::to_string(type) + ", 5, 8 or 9 expected of a flat mesh";
-    const int n = type == 5 ? 3 : 4;
+    const int n = vertex_count_of(type);
     if (cell.count == 0)
       return "its " + std::to_string(n) + " ids start at " + std::to_string(given) + " of " +
              std::to_string(given_.connectivity.count) + " in connectivity";

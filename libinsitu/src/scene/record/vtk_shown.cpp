@@ -15,27 +15,6 @@ using mesh::ExternalArray;
 
 constexpr std::int64_t no_matter = std::numeric_limits<std::int64_t>::max();
 
-/// The number of ids of a cell by VTK's number of its type; 0: of no type that cells have here.
-int ids_of_type(int type) {
-  switch (type) {
-  case INSITU_TRIANGLE:
-    return 3;
-  case INSITU_PIXEL:
-  case INSITU_QUAD:
-  case INSITU_TETRAHEDRON:
-    return 4;
-  case INSITU_PYRAMID:
-    return 5;
-  case INSITU_WEDGE:
-    return 6;
-  case INSITU_VOXEL:
-  case INSITU_HEXAHEDRON:
-    return 8;
-  default:
-    return 0;
-  }
-}
-
 std::int64_t load_id(const ExternalArray& ids, std::int64_t item, int component = 0) {
   return mesh::load_index(ids.at(item, component), ids.type == INSITU_INT32);
 }
@@ -63,7 +42,7 @@ struct VtkShown::Piece {
     int type = cells.shape, count = connectivity.components;
     if (cells.layout == INSITU_LAYOUT_MIXED) {
       type = int(std::to_integer<std::uint8_t>(*types.at(c, 0)));
-      count = ids_of_type(type);
+      count = mesh::vertex_count_of(type);
       first = mesh::from_base(load_id(offsets, c), cells.index_base);
       if (first < 0 || first > connectivity.layout.count - count)
         return 0;
@@ -80,7 +59,7 @@ struct VtkShown::Piece {
                            : 0;
       count = used;
     }
-    if (count == 0 || count != ids_of_type(type))
+    if (count == 0 || count != mesh::vertex_count_of(type))
       return 0;
     for (int i = 0; i < count; ++i) {
       const std::int64_t id = cells.layout == INSITU_LAYOUT_MIXED ? load_id(connectivity, first + i)
@@ -103,7 +82,7 @@ struct VtkShown::Piece {
     for (std::int64_t c = 0; c < cells.count; ++c) {
       if (cells.layout == INSITU_LAYOUT_MIXED)
         in_order = in_order && load_id(offsets, c) == ids;
-      ids += ids_of_type(cell(c, some));
+      ids += mesh::vertex_count_of(cell(c, some));
     }
     return in_order && cells.layout != INSITU_LAYOUT_PADDED &&
            ids == connectivity.layout.count * connectivity.components;
@@ -224,7 +203,7 @@ RecordRun offsets_run(const PiecePointer& piece) {
                                const auto now = Number(next);
                                std::array<std::int64_t, 8> ids;
                                if (c < piece->cells.count)
-                                 next += ids_of_type(piece->cell(c, ids));
+                                 next += mesh::vertex_count_of(piece->cell(c, ids));
                                return now;
                              });
 }
@@ -234,7 +213,7 @@ RecordRun ids_run(const PiecePointer& piece) {
                                    [piece, cell = std::int64_t(-1), at = 0, count = 0,
                                     ids = std::array<std::int64_t, 8>()](std::int64_t) mutable {
                                      while (at == count) { // those of the next cell that has any
-                                       count = ids_of_type(piece->cell(++cell, ids));
+                                       count = mesh::vertex_count_of(piece->cell(++cell, ids));
                                        at = 0;
                                      }
                                      return ids[std::size_t(at++)];

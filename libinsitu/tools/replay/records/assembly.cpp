@@ -4,6 +4,8 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "mesh/shape.h"
+
 namespace insitu_replay {
 
 namespace {
@@ -23,16 +25,6 @@ double load_real(const insitu_array& array, std::int64_t i) {
 const insitu_array* find(const PieceArrays& arrays, const char* name) {
   const auto found = arrays.find(name);
   return found == arrays.end() ? nullptr : &found->second;
-}
-
-int ids_of_type(int type) {
-  constexpr std::pair<int, int> known[] = {
-      {INSITU_TRIANGLE, 3}, {INSITU_PIXEL, 4},      {INSITU_QUAD, 4},  {INSITU_TETRAHEDRON, 4},
-      {INSITU_VOXEL, 8},    {INSITU_HEXAHEDRON, 8}, {INSITU_WEDGE, 6}, {INSITU_PYRAMID, 5}};
-  for (const auto& [of, count] : known)
-    if (of == type)
-      return count;
-  return 0;
 }
 
 std::int64_t cell_count(const RecordedPiece& piece) {
@@ -75,7 +67,7 @@ int read_cell(const RecordedPiece& piece, const PieceArrays& arrays, std::int64_
     if (!types || !offsets || cell >= types->count || cell >= offsets->count)
       return 0;
     type = int(load_integer(*types, cell));
-    count = ids_of_type(type);
+    count = insitu::mesh::vertex_count_of(type);
     first = load_integer(*offsets, cell) - base;
   }
   const std::int64_t numbers = connectivity->count * connectivity->components;
@@ -93,7 +85,7 @@ int read_cell(const RecordedPiece& piece, const PieceArrays& arrays, std::int64_
            : used == 6 ? int(INSITU_WEDGE)
            : used == 5 ? int(INSITU_PYRAMID)
                        : int(INSITU_TETRAHEDRON);
-  return used == ids_of_type(type) ? type : 0;
+  return used == insitu::mesh::vertex_count_of(type) ? type : 0;
 }
 
 struct Owned {
@@ -153,7 +145,7 @@ std::optional<Assembly> Assembly::make(const RecordedMesh& mesh,
     if (type == 0)
       return std::nullopt;
     out.offsets_.push_back(std::int64_t(out.connectivity_.size()));
-    for (int v = 0; v < ids_of_type(type); ++v) {
+    for (int v = 0; v < insitu::mesh::vertex_count_of(type); ++v) {
       const std::int64_t id = ids[std::size_t(v)];
       if (id >= of_vertices.count)
         return std::nullopt;
