@@ -57,11 +57,13 @@ Images::Images(const Vec3d& p, const ChartImage* chart) : chart_(chart) {
   ++count;
 }
 
-Vec3d Images::step(int i, const Vec3d& x) const {
+double Images::squared_to(const Vec3d& x) const {
+  const int i = count == 4 ? 3 : 0;
   Vec3d step = (i == 3 ? chart_->turned(pole_, x) : x) - at[i];
   if (chart_)
     step.x = std::remainder(step.x, chart_->units.turn());
-  return step;
+  const Vec3d way = metric[i].from({}, step);
+  return math::dot(way, way);
 }
 
 void visit_near(const accel::Tree& tree, const Vec3d& image, const Metric& metric,
@@ -107,8 +109,10 @@ void visit_near(const accel::Tree& tree, const Vec3d& image, const Metric& metri
 NearestCells::NearestCells(const Sampler& sampler) : sampler_(sampler), tree_(sampler.tree()) {}
 
 /// The cells that begin at `first`, of which there are many in a run.
-void NearestCells::look_at_item(std::int64_t first, const Vec3d& image, const Metric& metric,
-                                double farthest, NearestCell& best) const {
+void NearestCells::look_at_item(std::int64_t first, const Images& images, int i, double farthest,
+                                NearestCell& best) const {
+  const Vec3d& image = images.at[i];
+  const Metric& metric = images.metric[i];
   const mesh::MeshView& view = sampler_.mesh();
   const mesh::PieceView& piece = view.pieces[view.piece_of(first)];
   mesh::CellVertices cell;
@@ -120,18 +124,20 @@ void NearestCells::look_at_item(std::int64_t first, const Vec3d& image, const Me
     if (Span(image, mesh::box_of(cell), metric).least > most)
       continue;
     const NearestOnCell on = nearest_on_cell(cell.shape, cell.x, image, metric, most);
-    if (!on.on || (on.squared == best.squared && best.at && flat > best.at.cell))
+    if (!on.on)
       continue;
-    best = {
-        on.squared, {flat, cells::parametric_in(cell.shape, cell.x, on.point, on.on)}, on.point};
+    const double squared = images.is_skewed(i) ? images.squared_to(on.point) : on.squared;
+    if (squared > most || (squared == best.squared && best.at && flat > best.at.cell))
+      continue;
+    best = {squared, {flat, cells::parametric_in(cell.shape, cell.x, on.point, on.on)}, on.point};
   }
 }
 
-void NearestCells::look(const Vec3d& image, const Metric& metric, double farthest,
-                        NearestCell& best) const {
+void NearestCells::look(const Images& images, int i, double farthest, NearestCell& best) const {
   visit_near(
-      tree_, image, metric, [&] { return std::min(farthest * farthest, best.squared); },
-      [&](std::int64_t flat) { look_at_item(flat, image, metric, farthest, best); });
+      tree_, images.at[i], images.metric[i],
+      [&] { return std::min(farthest * farthest, best.squared); },
+      [&](std::int64_t flat) { look_at_item(flat, images, i, farthest, best); });
 }
 
 NearestCell NearestCells::find(const Vec3d& p, double farthest) const {
@@ -139,7 +145,7 @@ NearestCell NearestCells::find(const Vec3d& p, double farthest) const {
   const Images images(p, sampler_.chart());
   for (int i = 0; i < images.count; ++i)
     if (std::isfinite(images.at[i].x + images.at[i].y + images.at[i].z))
-      look(images.at[i], images.metric[i], farthest, best);
+      look(images, i, farthest, best);
   return best;
 }
 
@@ -162,7 +168,7 @@ void add_ranks_near(const Directory& directory, const Images& images, double far
       for (int i = 0; i < images.count; ++i) {
         const Span span(images.at[i], box, images.metric[i]);
         least[std::size_t(rank)] = std::min(least[std::size_t(rank)], span.least);
-        if (nearest_alone) // each box holds a cell
+        if (nearest_alone && !images.is_skewed(i)) // each box holds a cell
           enough = std::min(enough, span.greatest);
       }
   for (int rank = 0; rank < directory.size(); ++rank)

@@ -23,8 +23,11 @@ struct Images {
   int count = 0;
 
   Images(const math::Vec3d& p, const ChartImage* chart);
-  /// From image i to a place of the mesh's frame, the short way round.
-  math::Vec3d step(int i, const math::Vec3d& x) const;
+  /// The squared length of the way to a place of the mesh's frame, the short way round. Near a
+  /// pole it is that on the turned chart: degrees of longitude are short at the place alone.
+  double squared_to(const math::Vec3d& x) const;
+  /// Whether image i is a plain one near a pole: lengths there are too short, never too long.
+  bool is_skewed(int i) const { return i < 3 && count == 4; }
 
 private:
   const ChartImage* chart_;
@@ -52,10 +55,9 @@ public:
             std::span<NearestCell> found) const;
 
 private:
-  void look(const math::Vec3d& image, const Metric& metric, double farthest,
-            NearestCell& best) const;
-  void look_at_item(std::int64_t first, const math::Vec3d& image, const Metric& metric,
-                    double farthest, NearestCell& best) const;
+  void look(const Images& images, int i, double farthest, NearestCell& best) const;
+  void look_at_item(std::int64_t first, const Images& images, int i, double farthest,
+                    NearestCell& best) const;
 
   const Sampler sampler_;
   const accel::Tree& tree_;

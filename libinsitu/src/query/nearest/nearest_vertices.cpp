@@ -50,8 +50,7 @@ void NearestVertices::find(const Vec3d& p, NearVertices& found) const {
             Vec3d x = cells.point(id);
             if (own_.is_flat)
               x.z = own_.plane;
-            const Vec3d from = images.metric[i].from({}, images.step(i, x));
-            const double squared = math::dot(from, from);
+            const double squared = images.squared_to(x);
             if (squared <= found.reach())
               found.take({squared, global_id_(own_.first_vertex[piece] + vertex), rank_, piece,
                           vertex, x});
