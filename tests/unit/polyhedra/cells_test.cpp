@@ -1,5 +1,7 @@
 // Cells given by faces are located as the definition says: recognised where they have a shape, and
 // cut around their centres where they have none.
+#include <cstdlib>
+
 #include "../query/query_test.h"
 #include "fixtures/polyhedra.h"
 
@@ -93,6 +95,57 @@ TEST(Polyhedra, HexahedraCutAtPlanes) {
   Random random(9);
   for (int i = 0; i < 4000; ++i)
     ASSERT_GE(m.owner(random.uniform({0, 0, 0}, {4, 4, 4})), 0);
+}
+
+// As polyDualMesh makes them; a corner of the box that one tetrahedron has leaves a dual cell of a
+// few faces only.
+TEST(Polyhedra, DualsOfTetrahedra) {
+  const FaceMesh mesh = fixtures::dual_of(
+      test::make_mesh({.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11));
+  const CommittedFaces m(mesh);
+  EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
+  const mesh::MeshView& view = m.mesh.mesh().view();
+  expect_owners(m, test::hard_points(view, 300, 12));
+  expect_owners(m, test::inner_points(view, 200, 13));
+  Random random(14);
+  for (int i = 0; i < 4000; ++i)
+    ASSERT_GE(m.owner(random.uniform({0.6, 0.6, 0.6}, {3.4, 3.4, 3.4})), 0);
+}
+
+// Points on faces, edges and vertices, within roundings of them, have one owner: the lowest of all
+// cells that hold them. INSITU_TEST_POINTS: so many.
+TEST(Polyhedra, PointsOnFacesAreOwnedOnce) {
+  const char* const asked = std::getenv("INSITU_TEST_POINTS");
+  const int count = asked ? std::atoi(asked) : 20000;
+  for (const FaceMesh& mesh :
+       {fixtures::octahedra(3, 0.15),
+        fixtures::dual_of(test::make_mesh(
+            {.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11))}) {
+    const CommittedFaces m(mesh);
+    const mesh::MeshView& view = m.mesh.mesh().view();
+    std::vector<mesh::Box> boxes;
+    std::vector<mesh::CellVertices> cells(std::size_t(view.cell_count()));
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      mesh::gather(view, std::int64_t(c), cells[c]);
+      boxes.push_back(mesh::box_of(cells[c]));
+    }
+    const auto lowest = [&](const Vec3d& p) -> std::int64_t {
+      for (std::size_t c = 0; c < cells.size(); ++c)
+        if (boxes[c].holds(p) &&
+            cells::holds(cells::contain_exact(cells[c].shape, cells[c].x, p).where))
+          return std::int64_t(c);
+      return -1;
+    };
+    const int at_once = std::min(count, 100000);
+    std::vector<query::Location> batch(static_cast<std::size_t>(at_once));
+    for (int first = 0; first < count / 2; first += at_once) {
+      const std::vector<Vec3d> points = test::hard_points(view, at_once, 15 + std::uint64_t(first));
+      m.sampler().locate(m.threads, points, batch, {INSITU_EXACT, 1.0});
+      for (std::size_t i = 0; i < points.size(); ++i)
+        ASSERT_EQ(batch[i].cell, lowest(points[i]))
+            << "seed " << 15 + first << " " << test::text(points[i]);
+    }
+  }
 }
 
 // Which cell answers does not hang on the form, the base, or the way that faces are wound.
