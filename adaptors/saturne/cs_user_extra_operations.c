@@ -72,8 +72,8 @@ static void open_session(void) {
   if (cs_glob_n_ranks > 1)
     options.communicator = &cs_glob_mpi_comm;
 #endif
-  if (insitu_session_open(&options, &session) != INSITU_OK ||
-      insitu_session_mesh(session, "fluid", &mesh) != INSITU_OK) { /* on all processes alike */
+  if (insitu_session_open(&options, &session) == INSITU_OK && /* else the library told why */
+      insitu_session_mesh(session, "fluid", &mesh) != INSITU_OK) {
     warn(INSITU_LOG_ERROR, insitu_last_message(), NULL);
     insitu_session_close(&session);
   }
@@ -180,7 +180,9 @@ static void execute(const cs_mesh_t* m, const cs_time_step_t* step) {
   else if (is_refused)
     insitu_mesh_refuse(mesh, NULL);
   is_refused = !is_given;
-  if (insitu_session_execute(session, step->nt_cur, step->t_cur) != INSITU_OK)
+  const insitu_status status = insitu_session_execute(session, step->nt_cur, step->t_cur);
+  if (status != INSITU_OK && status != INSITU_ERROR_ACTION && /* which the library told */
+      cs_glob_rank_id <= 0)                                   /* as all processes have this error */
     warn(INSITU_LOG_ERROR, insitu_last_message(), NULL);
 }
 

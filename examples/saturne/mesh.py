@@ -37,7 +37,7 @@ class Mesh:
         with open(path, 'w') as out:
             out.write('$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n' % len(self.vertices))
             for number, (x, y, z) in enumerate(self.vertices, 1):
-                out.write('%d %.17g %.17g %.17g\n' % (number, x, y, z))
+                out.write('%d %.12g %.12g %.12g\n' % (number, x, y, z))  # the same on both sides, where vertices meet
             out.write('$EndNodes\n$Elements\n%d\n' % (len(self.faces) + len(self.cells)))
             elements = [(3, group, ring) for group, ring in self.faces] + [(5, 6, cell) for cell in self.cells]
             for number, (kind, group, ids) in enumerate(elements, 1):

@@ -162,6 +162,8 @@ void CommittedMesh::accept(const cells::Validation& validation, const mesh::Mesh
       log.warning(validation.warning);
     if (const std::string rounding = cells::float_rounding(mesh_.name(), view); !rounding.empty())
       log.warning(rounding);
+    if (const std::string& where = mesh_.global_ids_descend(); !where.empty())
+      log.warning(where + "; a point on a face of two such cells belongs to the first of them");
   }
   folds_are_known_ = true;
   odd_cells_ = cells::find_odd_cells(view, validation.counts, threads);

@@ -47,3 +47,24 @@ TEST(WrapperSession, DesignatedInitialisersAndSpans) {
   EXPECT_EQ(mesh.commit().cells, 2);
 }
 #endif
+
+TEST(WrapperSession, AWarningTellsWhereGlobalIdsDoNotAscend) {
+  std::vector<std::string> messages;
+  insitu::Options options;
+  options.log = [&](insitu::LogLevel, const char* message) { messages.emplace_back(message); };
+  insitu::Session session(options);
+  Two two;
+  insitu::Mesh mesh = session.mesh("m");
+  mesh.points(two.xyz);
+  mesh.hexahedra(two.ids);
+  const std::vector<int> ids{7, 3};
+  mesh.global_ids(insitu::Association::cell, ids);
+  mesh.commit();
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_NE(messages[0].find("mesh 'm', piece 0, global ids of cells do not ascend at cell 1"),
+            std::string::npos)
+      << messages[0];
+  mesh.changed(insitu::fields | insitu::geometry);
+  mesh.commit();
+  EXPECT_EQ(messages.size(), 1u); // told once
+}
