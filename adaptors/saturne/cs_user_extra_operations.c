@@ -175,10 +175,13 @@ static insitu_status give_what_changed(const cs_mesh_t* m) {
 /* A process that cannot give its arrays says so to all by a mesh that is refused. */
 static void execute(const cs_mesh_t* m, const cs_time_step_t* step) {
   const int is_given = give_what_changed(m) == INSITU_OK;
-  if (!is_given)
-    insitu_mesh_refuse(mesh, insitu_last_message());
-  else if (is_refused)
+  if (!is_given) {
+    char why[2048]; /* the next call of the library may change its own text */
+    snprintf(why, sizeof why, "%s", insitu_last_message());
+    insitu_mesh_refuse(mesh, why);
+  } else if (is_refused) {
     insitu_mesh_refuse(mesh, NULL);
+  }
   is_refused = !is_given;
   const insitu_status status = insitu_session_execute(session, step->nt_cur, step->t_cur);
   if (status != INSITU_OK && status != INSITU_ERROR_ACTION && /* which the library told */
