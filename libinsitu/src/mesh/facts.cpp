@@ -143,6 +143,8 @@ MeshFacts find_facts(const MeshView& mesh, const core::Threads* threads) {
   };
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const PieceView& piece = mesh.pieces[p];
+    if (piece.pole != 0)
+      continue;
     if (piece.gridlets)
       in_parallel(piece.gridlets->count, 1 << 12,
                   [&](std::int64_t i, Gatherer& to) { note_gridlet(piece, i, to); });

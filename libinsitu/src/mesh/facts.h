@@ -18,8 +18,8 @@ struct MeshFacts {
     double least;       ///< the smallest of their volumes
   };
 
-  Box bounds{};                 ///< of the vertices of all cells, exact; if cells > 0
-  std::int64_t cells = 0;       ///< that own points
+  Box bounds{};                 ///< of the vertices of all these cells, exact; if there are any
+  std::int64_t cells = 0;       ///< that own points, but for copies on charts turned to a pole
   std::vector<SizeClass> sizes; ///< by ascending key
 
   void add(const MeshFacts& other);

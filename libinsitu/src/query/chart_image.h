@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "geo/chart.h"
+#include "mesh/box.h"
 
 namespace insitu::query {
 
@@ -54,6 +56,11 @@ struct ChartImage {
   /// The same place, its longitude within [west, west + turn).
   math::Vec3d with_longitude(const math::Vec3d& p) const {
     return {geo::longitude_from(west, units, p.x), p.y, p.z};
+  }
+  /// Where the chart begins and ends: copies of cells over its seam reach further.
+  void cut(mesh::Box& box) const {
+    box.low.x = std::max(box.low.x, west);
+    box.high.x = std::min(box.high.x, west + units.turn());
   }
   /// The point of which this is an image, or a place among the cells around one.
   math::Vec3d point_of(const math::Vec3d& image) const {

@@ -111,7 +111,11 @@ PointQuery Sampler::point_query(const LocateOptions& options) const {
 }
 
 mesh::MeshFacts Sampler::facts(const core::Threads* threads) const {
-  return on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
+  mesh::MeshFacts facts =
+      on_demand_ ? on_demand_->facts.of(*mesh_, threads) : mesh::find_facts(*mesh_, threads);
+  if (chart_)
+    chart_->cut(facts.bounds);
+  return facts;
 }
 
 bool Sampler::exists(std::int64_t flat) const {

@@ -66,7 +66,8 @@ public:
   const SoundCells* sound_cells(bool moves) const;
   /// The query of points with these options, where the tree is fitted now as by tree().
   PointQuery point_query(const LocateOptions& options) const;
-  /// Of the mesh as a whole, found when first asked for. threads: null: on the calling thread.
+  /// Of the mesh as a whole, found when first asked for; bounds end where a chart does. threads:
+  /// null: on the calling thread.
   mesh::MeshFacts facts(const core::Threads* threads = nullptr) const;
   const ChartImage* chart() const { return chart_; }
   const accel::FaceNeighbours* neighbours() const { return neighbours_; }

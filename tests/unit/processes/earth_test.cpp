@@ -247,35 +247,30 @@ TEST(ProcessEarth, FramesAreThoseOfOneProcess) {
       {2, 3, 4, 8}, 1, "space_000000.png");
 }
 
-/// Where cells have other places, what hangs on these is refused by name.
+/// What takes the cells around a vertex, over the seam too, and volumes, which end where the chart
+/// does.
 TEST(ProcessEarth, VolumesAndAveragesInLongitudeAndLatitude) {
-  const std::string scene =
-      "insitu: 1\npage: false\nframes: [{name: levels, size: [64, 64], isosurfaces: [{field: c, "
-      "values: [0.2], normals: smooth}], volume: {field: p, opacity: [[0, 0], [2, 0.3]]}}]\n";
-  for (const Earth& earth : earths()) {
-    PartSession::Options options;
-    options.scene = scene;
-    options.frame = fixtures::frame_of(units);
-    const bool has_copies = earth.name != "basin";
-    std::map<std::string, std::string> expected;
-    for (const int processes : {1, 3}) {
-      const auto files =
-          run_parts(earth.mesh, fixtures::boxes(earth.mesh, processes), options,
-                    [&](PartSession& process, parallel::World&) {
-                      const std::string failure = process.execute(0);
-                      if (processes == 1 || !has_copies)
-                        EXPECT_EQ(failure, "");
-                      else
-                        EXPECT_NE(failure.find("volumes, smooth normals and averages in longitude"),
-                                  std::string::npos)
-                            << failure;
-                    });
-      if (processes == 1)
-        expected = files;
-      else if (!has_copies)
-        expect_same(expected, files, earth.name);
-      else
-        EXPECT_TRUE(files.empty());
-    }
-  }
+  expect_files_of_one(
+      "insitu: 1\npage: false\nframes:\n"
+      "  - {name: levels, size: [64, 64], images: [color, depth, cell], camera: {elevation: 60, "
+      "fit: box},\n"
+      "     isosurfaces: [{field: c, values: [0.2], normals: smooth}, {field: p, values: [0.5], "
+      "normals: smooth, opacity: 0.6, color: {field: c}}],\n"
+      "     volume: {field: p, opacity: [[0, 0], [2, 0.3]]}}\n"
+      "  - {name: lit, size: [64, 40], camera: {azimuth: -90, elevation: 80},\n"
+      "     volume: {field: c, smooth: true, shading: true, opacity: [[-1, 0], [1, 0.5]], "
+      "unit_distance: 3}}\n"
+      "  - {name: cells, size: [60, 40], images: [color, cell], camera: {azimuth: 180, elevation: "
+      "10},\n"
+      "     volume: {field: c, opacity: [[-1, 0], [1, 0.5]], unit_distance: 100}}\n"
+      "  - {name: held, size: [40, 40], volume: {field: c, smooth: true, tolerance: 0.05, opacity: "
+      "[[-1, 0], [1, 0.5]], unit_distance: 20}}\n"
+      "  - {name: shadows, size: [40, 40], camera: {azimuth: 60, elevation: 40},\n"
+      "     isosurfaces: [{field: p, values: [1], normals: smooth}], boundary: {opacity: 0.2},\n"
+      "     volume: {field: p, opacity: [[0, 0], [5, 0.2]], shading: true, unit_distance: 50},\n"
+      "     effects: [shadows, volume_shadows, {ambient_occlusion: {samples: 2}}]}\n"
+      "  - {name: haze, size: [20, 20], volume: {field: p, opacity: [[-1, 0], [1, 0.5]], "
+      "unit_distance: 60},\n"
+      "     effects: [multiple_scattering], path_tracing: {samples: 2}}\n",
+      {2, 3, 4, 8}, 1, "levels_000000.png");
 }

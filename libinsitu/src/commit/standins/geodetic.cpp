@@ -6,6 +6,7 @@
 #include "commit/standins/geodetic_copies.h"
 #include "core/status.h"
 #include "mesh/ghosts.h"
+#include "mesh/piece_borders.h"
 
 namespace insitu::commit {
 
@@ -174,23 +175,41 @@ query::Location Geodetic::own(const query::Location& at, const math::Vec3d& /*p*
   return at ? query::Location{place(at.cell).own, at.parametric} : at;
 }
 
+Geodetic::Of Geodetic::piece_of(std::int32_t piece) const {
+  const std::int32_t solvers = own_->piece_count - own_->halo_piece_count;
+  std::int32_t behind = piece - solvers;
+  if (behind < 0)
+    return {nullptr, piece};
+  if (behind >= std::int32_t(own_copies_)) {
+    behind -= std::int32_t(own_copies_);
+    if (behind < own_->halo_piece_count)
+      return {nullptr, solvers + behind};
+    behind += std::int32_t(own_copies_) - own_->halo_piece_count;
+  }
+  return {copies_[std::size_t(behind)].get(), -1};
+}
+
 StandIn::Place Geodetic::place(std::int64_t flat) const {
   if (!has_copies() || flat < own_->own_cell_count())
     return {flat};
-  const std::int32_t solvers = own_->piece_count - own_->halo_piece_count;
   const std::int32_t p = view_.piece_of(flat);
   const std::int64_t cell = flat - view_.first_cell[p];
-  std::size_t k = std::size_t(p - solvers); // behind the solver's pieces
-  if (k >= own_copies_) {
-    const std::size_t halo = k - own_copies_;
-    if (halo < std::size_t(own_->halo_piece_count))
-      return {own_->first_cell[std::size_t(solvers) + halo] + cell};
-    k -= std::size_t(own_->halo_piece_count);
-  }
-  const Copies& copies = *copies_[k];
+  const Of of = piece_of(p);
+  if (!of.copies)
+    return {own_->first_cell[of.piece] + cell};
   const auto i = std::size_t(cell);
-  return {copies.cells[i], 1 + std::int32_t(copies.pole),
-          i > 0 && copies.cells[i - 1] == copies.cells[i]};
+  const auto& cells = of.copies->cells;
+  return {cells[i], 1 + std::int32_t(of.copies->pole), i > 0 && cells[i - 1] == cells[i]};
+}
+
+std::int64_t Geodetic::own_vertex(std::int64_t flat) const {
+  if (!has_copies())
+    return flat;
+  const std::int32_t p = mesh::piece_of_vertex(view_, flat);
+  const std::int64_t vertex = flat - view_.first_vertex[p];
+  const Of of = piece_of(p);
+  return of.copies ? of.copies->keys[std::size_t(vertex)].vertex
+                   : own_->first_vertex[of.piece] + vertex;
 }
 
 std::int64_t Geodetic::find(const Place& place) const {

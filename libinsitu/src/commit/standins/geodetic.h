@@ -49,6 +49,7 @@ public:
   mesh::FieldView field(const mesh::FieldView& own) override;
   query::Location own(const query::Location& at, const math::Vec3d& p) const override;
   Place place(std::int64_t flat) const override;
+  std::int64_t own_vertex(std::int64_t flat) const override;
   std::int64_t find(const Place& place) const override;
   const ChartFacts* chart_facts() const override { return &facts_; }
   bool has_whole_chart() const override { return has_whole_; }
@@ -65,6 +66,12 @@ private:
   struct Turn;
   struct Copies;
   struct Gathered;
+  /// Of a piece of view(): its copies, or else the piece of own_view() that it is.
+  struct Of {
+    const Copies* copies;
+    std::int32_t piece;
+  };
+  Of piece_of(std::int32_t piece) const;
   bool build(const mesh::Mesh& mesh, const geo::ChartUnits& units, bool other_cells,
              const core::Threads& threads);
   Turn turn_of(geo::Pole pole, const math::Vec3d& east, const math::Vec3d& turned) const;

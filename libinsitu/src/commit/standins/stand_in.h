@@ -72,6 +72,8 @@ public:
     std::int32_t chart = 0, copy = 0;
   };
   virtual Place place(std::int64_t flat) const { return {flat}; }
+  /// The same of a vertex of view(), whose cells are the solver's: its flat number in own_view().
+  virtual std::int64_t own_vertex(std::int64_t flat) const { return flat; }
   /// The flat id of such a cell; -1: it has no such place.
   virtual std::int64_t find(const Place& place) const { return place.own; }
 

@@ -7,7 +7,7 @@
 namespace insitu::render {
 
 void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
-                       const core::Threads& threads) {
+                       const core::Threads& threads, std::function<ChartCopies()> copies) {
   if (!sampler_ || geometry != geometry_ || fields != fields_) {
     scalar_ranges_.clear();
     const auto age = [](auto& entries) {
@@ -25,6 +25,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
   if (geometry != geometry_) {
     vertex_cells_.value.reset();
     cell_widths_.reset();
+    copies_.reset();
     averages_.clear();
     value_ranges_.clear();
     gradients_.clear();
@@ -37,6 +38,7 @@ void Structures::begin(const query::Sampler& sampler, std::uint64_t geometry, st
   (void)sampler.facts(&threads); // which all frames ask for, without threads
   sampler_ = std::make_unique<query::Sampler>(sampler);
   threads_ = &threads;
+  find_copies_ = std::move(copies);
   geometry_ = geometry;
   fields_ = fields;
 }
@@ -91,12 +93,19 @@ const T& Structures::up_to_date(ValuesEntry<T>& entry, std::int64_t& made, std::
   return *entry.value;
 }
 
+/// Or null.
+const ChartCopies* Structures::copies() {
+  if (!copies_ && find_copies_)
+    copies_ = find_copies_();
+  return copies_ ? &*copies_ : nullptr;
+}
+
 const VertexCells& Structures::vertex_cells() {
   vertex_cells_.used = true;
   if (!vertex_cells_.value) {
     const core::Timer timer;
-    vertex_cells_.value =
-        std::make_unique<VertexCells>(sampler_->mesh(), sampler_->seams(), *threads_, *memory_);
+    vertex_cells_.value = std::make_unique<VertexCells>(sampler_->mesh(), sampler_->seams(),
+                                                        copies(), *threads_, *memory_);
     ++counts_.vertex_cells;
     seconds_.vertex_cells += timer.seconds();
   }
@@ -261,7 +270,7 @@ const TriangleMesh& Structures::boundary() {
   const mesh::Box bounds = sampler_->facts().bounds; // which other processes may change
   if (!entry.value || !(entry.value->bounds().low == bounds.low) ||
       !(entry.value->bounds().high == bounds.high)) {
-    entry.value = TriangleMesh::boundary(sampler_->mesh(), bounds, *threads_, *memory_);
+    entry.value = TriangleMesh::boundary(sampler_->mesh(), bounds, copies(), *threads_, *memory_);
     ++counts_.boundaries;
   }
   return *entry.value;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -86,9 +87,10 @@ public:
   explicit Structures(core::Memory& memory) : memory_(&memory) {}
 
   /// What the mesh is now; fields and geometry grow with each commit that changed them. Forgets
-  /// what no longer holds. The threads must outlive the next begin().
+  /// what no longer holds. The threads must outlive the next begin(). copies: finds those of a
+  /// chart that has some, while the geometry holds; empty: there are none.
   void begin(const query::Sampler& sampler, std::uint64_t geometry, std::uint64_t fields,
-             const core::Threads& threads);
+             const core::Threads& threads, std::function<ChartCopies()> copies = {});
   /// Gives back what nobody asked for since begin().
   void end();
 
@@ -171,10 +173,13 @@ private:
   template <class T>
   static void drop_unused(T& entries);
   const PrimitiveRanges& primitive_ranges(const ScalarField& field);
+  const ChartCopies* copies();
 
   core::Memory* memory_;
   std::unique_ptr<query::Sampler> sampler_;
   const core::Threads* threads_ = nullptr;
+  std::function<ChartCopies()> find_copies_;
+  std::optional<ChartCopies> copies_; ///< if they were asked for
   std::uint64_t geometry_ = 0, fields_ = 0;
   Counts counts_;
   Seconds seconds_;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "mesh/ghosts.h"
-#include "mesh/piece_borders.h"
 
 namespace insitu::render {
 
@@ -45,7 +44,8 @@ void leave_out_copies(const mesh::MeshView& mesh, std::vector<std::uint32_t>& ce
 
 /// visit(flat cell, flat vertex) of the counting cells' corners, in parallel.
 template <class Visit>
-void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, Visit&& visit) {
+void for_each_corner(const mesh::MeshView& mesh, const ChartCopies* copies,
+                     const core::Threads& threads, Visit&& visit) {
   for (std::int32_t p = 0; p < mesh.piece_count; ++p) {
     const mesh::PieceView& piece = mesh.pieces[p];
     const std::int64_t first_cell = mesh.first_cell[p], first_vertex = mesh.first_vertex[p];
@@ -53,7 +53,9 @@ void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, V
                          [&](std::int64_t begin, std::int64_t stop) {
                            std::int64_t ids[8];
                            for (std::int64_t cell = begin; cell < stop; ++cell) {
-                             if (!counts(mesh, piece, cell))
+                             if (!counts(mesh, piece, cell) ||
+                                 (copies &&
+                                  (piece.pole != 0 || copies->is_second(first_cell + cell))))
                                continue;
                              const int n = piece.vertex_ids(cell, ids);
                              for (int v = 0; v < n; ++v)
@@ -66,19 +68,20 @@ void for_each_corner(const mesh::MeshView& mesh, const core::Threads& threads, V
 } // namespace
 
 VertexCells::VertexCells(const mesh::MeshView& mesh, const query::Seams* seams,
-                         const core::Threads& threads, core::Memory& memory)
-    : memory_(&memory), end_(memory, INSITU_MEMORY_FRAME), cells_(memory, INSITU_MEMORY_FRAME) {
+                         const ChartCopies* copies, const core::Threads& threads,
+                         core::Memory& memory)
+    : memory_(&memory), turn_(copies ? copies->turn : 0.0), end_(memory, INSITU_MEMORY_FRAME), cells_(memory, INSITU_MEMORY_FRAME) {
   const std::int64_t vertex_count = mesh.vertex_count();
   end_.resize_discard(std::size_t(vertex_count) + 1);
   std::fill(end_.begin(), end_.end(), 0);
-  for_each_corner(mesh, threads, [&](std::int64_t, std::int64_t vertex) {
+  for_each_corner(mesh, copies, threads, [&](std::int64_t, std::int64_t vertex) {
     std::atomic_ref(end_[std::size_t(vertex) + 1]).fetch_add(1, std::memory_order_relaxed);
   });
   for (std::int64_t v = 0; v < vertex_count; ++v)
     end_[std::size_t(v) + 1] += end_[std::size_t(v)];
   cells_.resize_discard(std::size_t(end_[std::size_t(vertex_count)]));
   // Filling moves end_[v] from the list's begin to its end.
-  for_each_corner(mesh, threads, [&](std::int64_t cell, std::int64_t vertex) {
+  for_each_corner(mesh, copies, threads, [&](std::int64_t cell, std::int64_t vertex) {
     const std::int64_t at =
         std::atomic_ref(end_[std::size_t(vertex)]).fetch_add(1, std::memory_order_relaxed);
     cells_[std::size_t(at)] = std::uint32_t(cell);
@@ -88,14 +91,15 @@ VertexCells::VertexCells(const mesh::MeshView& mesh, const query::Seams* seams,
       std::sort(cells_.data() + (v == 0 ? 0 : end_[std::size_t(v) - 1]),
                 cells_.data() + end_[std::size_t(v)]);
   });
-  if (mesh.join_pieces && mesh.piece_count > 1)
-    join(mesh, seams, threads);
+  if (copies)
+    join(mesh, copies->joined, seams);
+  else if (mesh.join_pieces && mesh.piece_count > 1)
+    join(mesh, mesh::join_pieces(mesh, threads), seams);
 }
 
-/// Gives vertices of different pieces that coincide the cells of all of these.
-void VertexCells::join(const mesh::MeshView& mesh, const query::Seams* seams,
-                       const core::Threads& threads) {
-  const mesh::JoinedVertices joined = mesh::join_pieces(mesh, threads);
+/// Gives vertices that are one the cells of all of these.
+void VertexCells::join(const mesh::MeshView& mesh, const mesh::JoinedVertices& joined,
+                       const query::Seams* seams) {
   if (joined.end.empty())
     return;
   std::vector<std::vector<std::uint32_t>> lists(joined.end.size());
@@ -105,12 +109,12 @@ void VertexCells::join(const mesh::MeshView& mesh, const query::Seams* seams,
   for (std::size_t g = 0; g < lists.size(); ++g) {
     const auto first = joined.flat.begin() + (g == 0 ? 0 : joined.end[g - 1]);
     const auto last = joined.flat.begin() + joined.end[g];
-    for (auto v = first; v != last; ++v) // vertices ascend with pieces, and so do these's cells
+    for (auto v = first; v != last; ++v)
       lists[g].insert(lists[g].end(), of(*v).begin(), of(*v).end());
     leave_out_copies(mesh, lists[g]);
-    if (seams)
-      std::sort(lists[g].begin(), lists[g].end(),
-                [&](std::uint32_t a, std::uint32_t b) { return seams->is_before(a, b); });
+    std::sort(lists[g].begin(), lists[g].end(), [&](std::uint32_t a, std::uint32_t b) {
+      return seams ? seams->is_before(a, b) : a < b;
+    });
     for (auto v = first; v != last; ++v)
       sizes[std::size_t(*v)] = -std::int64_t(g) - 1;
   }

@@ -32,6 +32,21 @@ Vec3d corner_of(mesh::Shape shape, int v) {
   return {turning[v % 4][0], turning[v % 4][1], double(v / 4)};
 }
 
+/// Which corner of a cell a vertex is, by its number in the cell's piece (-1: it is not of that
+/// piece) or by its place, which may be whole turns away.
+int corner_at(const mesh::CellVertices& cell, std::int64_t vertex, const Vec3d& here, double turn) {
+  for (int k = 0; k < cell.count; ++k)
+    if (vertex >= 0 ? cell.ids[k] == vertex : cell.x[k] == here)
+      return k;
+  for (int k = 0; k < cell.count && turn > 0; ++k) {
+    const Vec3d& x = cell.x[k];
+    if (x.y == here.y && x.z == here.z &&
+        std::fabs(std::remainder(x.x - here.x, turn)) < 1e-9 * turn)
+      return k;
+  }
+  return 0;
+}
+
 } // namespace
 
 VertexGradients::VertexGradients(const mesh::MeshView& mesh, core::Memory& memory)
@@ -62,12 +77,9 @@ Vec3d VertexGradients::of(const mesh::MeshView& mesh, const ScalarField& field,
   int count = 0;
   for (const std::uint32_t flat : around.of(flat_vertex)) {
     mesh::gather(mesh, flat, cell);
-    int corner = 0;
-    for (int k = 0; k < cell.count; ++k) {
+    for (int k = 0; k < cell.count; ++k)
       values[k] = field.load(cell.piece, cell.ids[k]);
-      if (cell.piece == p ? cell.ids[k] == vertex : cell.x[k] == here)
-        corner = k;
-    }
+    const int corner = corner_at(cell, cell.piece == p ? vertex : -1, here, around.turn());
     const Vec3d g = cells::gradient(cell.shape, cell.x, values, corner_of(cell.shape, corner));
     // Cells without volume there have none.
     if (!std::isfinite(g.x) || !std::isfinite(g.y) || !std::isfinite(g.z))

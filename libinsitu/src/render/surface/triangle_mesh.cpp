@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "accel/faces/mesh_faces.h"
 #include "accel/tree/tree.h"
 #include "cells/kernels/faces.h"
 #include "mesh/box.h"
+#include "mesh/piece_borders.h"
 
 namespace insitu::render {
 
@@ -52,15 +55,43 @@ void corners(const mesh::MeshView& mesh, const Face& face, Vec3d* x) {
     x[k] = mesh.pieces[piece].point(std::int64_t(face.vertices[k]) - mesh.first_vertex[piece]);
 }
 
-/// Removes pairs of faces with the same corners: those of neighbouring pieces, or gridlets, whose
-/// vertices are numbered apart.
-void remove_pairs(const mesh::MeshView& mesh, core::CountedVector<Face>& faces,
-                  const core::Threads& threads) {
+/// A vertex is looked for where the solver has it, though it may be a copy's.
+class SolversPlaces {
+public:
+  SolversPlaces(const mesh::MeshView& mesh, const ChartCopies* copies) : mesh_(mesh) {
+    if (!copies)
+      return;
+    std::size_t at = 0;
+    for (const std::int64_t end : copies->joined.end)
+      for (const std::size_t first = at; at < std::size_t(end); ++at)
+        first_of_.emplace_back(copies->joined.flat[at], copies->joined.flat[first]);
+    std::sort(first_of_.begin(), first_of_.end());
+  }
+  Vec3d operator()(std::int64_t vertex) const {
+    const auto at = std::ranges::lower_bound(first_of_, vertex, {}, &Pair::first);
+    if (at != first_of_.end() && at->first == vertex)
+      vertex = at->second;
+    const std::int32_t piece = mesh::piece_of_vertex(mesh_, vertex);
+    return mesh_.pieces[piece].point(vertex - mesh_.first_vertex[piece]);
+  }
+
+private:
+  using Pair = std::pair<std::int64_t, std::int64_t>;
+  const mesh::MeshView& mesh_;
+  std::vector<Pair> first_of_; ///< ascending
+};
+
+/// Removes faces with the same corners as another cell's: those of neighbouring pieces, or
+/// gridlets, whose vertices are numbered apart, and of copies.
+void remove_pairs(const mesh::MeshView& mesh, const ChartCopies* copies,
+                  core::CountedVector<Face>& faces, const core::Threads& threads) {
+  const SolversPlaces places(mesh, copies);
   core::CountedVector<Corners> keys(faces.size(), faces.get_allocator());
   threads.parallel_for(std::int64_t(faces.size()), 1024, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
       keys[i].count = corner_count(faces[i]);
-      corners(mesh, faces[i], keys[i].x.data());
+      for (int k = 0; k < keys[i].count; ++k)
+        keys[i].x[std::size_t(k)] = places(faces[i].vertices[k]);
       std::sort(keys[i].x.begin(), keys[i].x.begin() + keys[i].count, lower);
     }
   });
@@ -71,12 +102,19 @@ void remove_pairs(const mesh::MeshView& mesh, core::CountedVector<Face>& faces,
       return keys[a] < keys[b];
     return a < b;
   });
+  /// Of two copies the first.
+  const auto cell_of = [&](std::uint32_t i) {
+    const std::int64_t cell = faces[i].cell;
+    return copies && copies->is_second(cell) ? cell - 1 : cell;
+  };
   std::vector<bool> gone(faces.size(), false);
-  for (std::size_t i = 0; i + 1 < order.size(); ++i)
-    if (!(keys[order[i]] < keys[order[i + 1]])) {
-      gone[order[i]] = gone[order[i + 1]] = true;
-      ++i;
-    }
+  for (std::size_t i = 0, end = 0; i < order.size(); i = end) {
+    bool of_one_cell = true;
+    for (end = i + 1; end < order.size() && !(keys[order[i]] < keys[order[end]]); ++end)
+      of_one_cell = of_one_cell && copies && cell_of(order[end]) == cell_of(order[i]);
+    for (std::size_t k = i; k < end && !of_one_cell; ++k)
+      gone[order[k]] = true;
+  }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < faces.size(); ++i)
     if (!gone[i])
@@ -93,6 +131,7 @@ TriangleMesh::TriangleMesh(core::Memory& memory)
 
 std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
                                                      const mesh::Box& bounds,
+                                                     const ChartCopies* copies,
                                                      const core::Threads& threads,
                                                      core::Memory& memory) {
   const core::CountedAllocator<Face> counted(memory, INSITU_MEMORY_FRAME);
@@ -105,11 +144,11 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
     table.build(mesh, threads);
     faces.reserve(std::size_t(table.boundary_faces()));
     for (const Face& face : table.faces())
-      if (face.other == none)
+      if (face.other == none && mesh.pieces[mesh.piece_of(face.cell)].pole == 0)
         faces.push_back(face);
   }
   if (apart)
-    remove_pairs(mesh, faces, threads);
+    remove_pairs(mesh, copies, faces, threads);
   std::erase_if(faces, [&](const Face& face) { return !mesh.is_own(face.cell); });
 
   std::unique_ptr<TriangleMesh> out(new TriangleMesh(memory));

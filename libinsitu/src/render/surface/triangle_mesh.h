@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "mesh/view.h"
 #include "query/sampler.h"
+#include "render/structures/chart_copies.h"
 
 namespace insitu::render {
 
@@ -32,7 +33,9 @@ public:
   /// diagonal of its canonical corner: good to look at, not the exact boundary of curved cells.
   /// Faces of different pieces meet if their corners have the same coordinates. bounds: of the
   /// whole mesh, of which this may be the part of one process: rays meet each part as the whole.
+  /// copies: of a chart that has some, over whose seam faces meet, too; else null.
   static std::unique_ptr<TriangleMesh> boundary(const mesh::MeshView& mesh, const mesh::Box& bounds,
+                                                const ChartCopies* copies,
                                                 const core::Threads& threads, core::Memory& memory);
   static std::unique_ptr<TriangleMesh> body(const TriangleList& list, const core::Threads& threads,
                                             core::Memory& memory);

@@ -56,11 +56,15 @@ VolumeMarcher::Scratch& VolumeMarcher::scratch() {
 VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings& settings,
                              const VolumeStructures& structures, const Lighting& lighting,
                              bool clipped)
-    : sampler_(sampler), located_(structures.culled ? sampler.among(*structures.culled) : sampler),
+    : sampler_(sampler),
+      located_(
+          (structures.culled ? sampler.among(*structures.culled) : sampler).among_images()),
       field_(settings.field), function_(settings.function), step_(ray_step(sampler, settings)),
       unit_distance_(unit_distance_of(sampler, settings)), sample_group_(settings.sample_group),
-      clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr),
-      low_(sampler.tree().bounds_min()), high_(sampler.tree().bounds_max()) {
+      clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr) {
+  const mesh::Box outer = outer_bounds(sampler);
+  low_ = outer.low;
+  high_ = outer.high;
   const mesh::Box ends = sampler.facts().bounds; // trees round their boxes outwards
   inner_low_ = ends.low;
   inner_high_ = ends.high;

@@ -302,7 +302,7 @@ private:
            std::int64_t cell) const;
 
   query::Sampler sampler_;
-  query::Sampler located_; ///< the same, or among what is not culled
+  query::Sampler located_; ///< the same, or among what is not culled, where places are
   ScalarField field_;
   TransferFunction function_;
   query::LocateOptions options_;

@@ -16,18 +16,15 @@ constexpr double dark = 1.0 / 4096; // less does not show
 VolumeShadow::VolumeShadow(const query::Sampler& sampler, const VolumeSettings& settings,
                            double density, const Majorants* majorants,
                            const std::vector<Clip>& clips)
-    : sampler_(sampler), field_(settings.field), step_(ray_step(sampler, settings)),
+    : sampler_(sampler), located_(sampler.among_images()), field_(settings.field), step_(ray_step(sampler, settings)),
       classifier_(settings.function, step_ * density, unit_distance_of(sampler, settings)),
-      majorants_(majorants), clips_(clips), low_(sampler.tree().bounds_min()),
-      high_(sampler.tree().bounds_max()) {
+      majorants_(majorants), clips_(clips), box_(outer_bounds(sampler)) {
   options_.accuracy = settings.accuracy;
   options_.coordinates = settings.field.field.association != INSITU_CELL;
 }
 
 void VolumeShadow::take_part() {
-  const mesh::Box whole = sampler_.facts().bounds;
-  low_ = whole.low;
-  high_ = whole.high;
+  box_ = sampler_.facts().bounds;
   takes_part_ = true;
 }
 
@@ -64,7 +61,7 @@ double VolumeShadow::through(std::span<const Claim> claims) {
 
 void VolumeShadow::follow(const Ray& ray, double t_max, std::int64_t& samples,
                           const Take& take) const {
-  const std::optional<Stretch> in = stretch_in_box(ray, low_, high_);
+  const std::optional<Stretch> in = stretch_in_box(ray, box_.low, box_.high);
   if (!in)
     return;
   double near = std::max(0.0, in->from), far = std::min(t_max, in->to);
@@ -105,7 +102,7 @@ bool VolumeShadow::follow(const Ray& ray, double from, double to, std::int64_t& 
     const auto count = std::size_t(std::min(most, end - first));
     for (std::size_t i = 0; i < count; ++i)
       points[i] = ray.origin + ((double(first) + double(i) + 0.5) * step_) * ray.direction;
-    sampler_.locate_serial({points, count}, {found, count}, options_);
+    located_.locate_serial({points, count}, {found, count}, options_);
     samples += std::int64_t(count);
     if (!take(first, {found, count}))
       return false;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "query/sampler.h"
+#include "mesh/box.h"
 #include "render/clip.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/volume.h"
@@ -47,14 +48,14 @@ private:
   bool follow(const Ray& ray, double from, double to, std::int64_t& samples,
               const Take& take) const;
 
-  query::Sampler sampler_;
+  query::Sampler sampler_, located_; ///< the latter where places are
   ScalarField field_;
   query::LocateOptions options_;
   double step_;
   Classifier classifier_;
   const Majorants* majorants_;
   const std::vector<Clip>& clips_;
-  math::Vec3d low_, high_;
+  mesh::Box box_; ///< nothing is outside of it
   bool takes_part_ = false;
 };
 

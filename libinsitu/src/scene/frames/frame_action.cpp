@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <deque>
+#include <limits>
 
 #include "core/status.h"
 #include "core/timer.h"
@@ -10,6 +11,7 @@
 #include "output/annotate/overlay.h"
 #include "scene/earth/globe.h"
 #include "scene/expression/trigger.h"
+#include "scene/frames/chart_copies.h"
 #include "scene/frames/frame_files.h"
 #include "scene/frames/frame_on_all.h"
 #include "scene/frames/frame_plan.h"
@@ -56,6 +58,8 @@ public:
     const FrameDecisions decisions = decide(mesh);
     render::Structures& structures = environment_.structures.of(mesh);
     Drawing drawing{own, mesh, step, decisions, structures, settings_.make(decisions, structures)};
+    if (has_chart_copies(mesh))
+      end_at_chart(mesh, drawing.settings);
     if (drawing.settings.path_tracing)
       drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
     environment_.statistics.render_s += timer.seconds();
@@ -105,8 +109,6 @@ private:
     FrameDecisions decisions;
     world.agree_after([&] {
       decisions = decide_on_all(mesh, fields, in_place);
-      if (in_place.copies)
-        refuse_copies(decisions);
     });
     // A halo that is there must not be of an earlier step.
     const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
@@ -138,7 +140,11 @@ private:
     complete_averages(decisions, mesh, *structures, world);
     const RangesByColor ranges = frame_ranges(decisions, *structures, world);
     render::FrameSettings settings;
-    world.agree_after([&] { settings = settings_.make(decisions, *structures, &ranges); });
+    world.agree_after([&] {
+      settings = settings_.make(decisions, *structures, &ranges);
+      if (in_place.copies)
+        end_at_chart(mesh, settings);
+    });
     note_exact(settings, step);
     Drawing drawing{own, mesh, step, decisions, *structures, std::move(settings), &part, &keys};
     if (drawing.settings.path_tracing)
@@ -155,20 +161,21 @@ private:
     bool copies, made;
   };
   CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh) const {
-    const bool is_adaptive = mesh.mesh().is_adaptive(), any = mesh.mesh().has_stand_in();
-    std::int64_t found[] = {any && mesh.stand_in()->chart(), any && is_adaptive};
+    std::int64_t found[] = {has_chart_copies(mesh),
+                            mesh.mesh().has_stand_in() && mesh.mesh().is_adaptive()};
     environment_.world.reduce(std::span(found), parallel::Reduction::greatest);
     return {found[0] != 0, found[1] != 0};
   }
 
-  /// With copies on a chart a place of a volume is another one's image, which may be another
-  /// process's; and a vertex of a copy does not know of the cells around it that have other places.
-  static void refuse_copies(const FrameDecisions& decisions) {
-    if (decisions.vertex_cells.made || decisions.volume)
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "volumes, smooth normals and averages in longitude and latitude, of a "
-                        "mesh with cells over the seam or at a pole, over several processes are "
-                        "not there yet; geocentric frames have them");
+  /// Copies reach over the ends of a chart, where their places are shown already, and others lie
+  /// beyond on charts turned to a pole. Faces that lie in the ends are seen.
+  static void end_at_chart(const commit::CommittedMesh& mesh, render::FrameSettings& settings) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const mesh::Box ends = mesh.sampler().facts().bounds;
+    const double slack = 1e-6 * (ends.high.x - ends.low.x);
+    settings.clips.push_back({render::Clip::Kind::box,
+                              {ends.low.x - slack, -infinity, -infinity},
+                              {ends.high.x + slack, infinity, infinity}});
   }
 
   /// The same on all processes.

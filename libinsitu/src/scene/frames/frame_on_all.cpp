@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/processes/whole_facts.h"
+#include "scene/frames/chart_copies.h"
 #include "scene/run/lookup.h"
 #include "scene/run/own_cell.h"
 
@@ -38,8 +39,11 @@ void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environmen
   if (!is_old)
     return;
   mesh::MeshFacts mine;
-  world.agree_after(
-      [&] { mine = mesh::find_facts(mesh.mesh().view(), &environment.context.threads); });
+  world.agree_after([&] {
+    mine = mesh::find_facts(mesh.mesh().view(), &environment.context.threads);
+    if (mesh.stand_in() && mesh.stand_in()->chart())
+      mesh.stand_in()->chart()->cut(mine.bounds);
+  });
   mesh.set_whole_facts(render::whole_facts(world, mine));
 }
 
@@ -52,7 +56,7 @@ void complete_averages(const FrameDecisions& decisions, const commit::CommittedM
       continue;
     std::span<double> values;
     world.agree_after([&] { values = structures.average_values(surface.field); });
-    mesh.halo()->refresh_values(mesh, world, values);
+    refresh_vertex_values(mesh, world, values);
   }
 }
 

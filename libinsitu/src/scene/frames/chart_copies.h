@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+
+#include "commit/committed_mesh.h"
+#include "parallel/world.h"
+#include "render/structures/vertex_cells.h"
+
+/// What frames do with copies of cells on a chart (commit::StandIn).
+namespace insitu::scene {
+
+/// Whether cells of the mesh are located in copies on a chart, on this process.
+bool has_chart_copies(const commit::CommittedMesh& mesh);
+
+/// Of such a mesh, as its views are now.
+render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
+                                      const core::Threads& threads);
+
+/// Gives numbers at this process's vertices to the other processes that have copies of its cells,
+/// as Halo::refresh_values() does. values: [flat vertex of mesh().view()], alike at all copies of a
+/// vertex. Collective, of a mesh with a halo; throws parallel::AgreedError.
+void refresh_vertex_values(const commit::CommittedMesh& mesh, parallel::World& world,
+                           std::span<double> values);
+
+} // namespace insitu::scene
