@@ -31,9 +31,7 @@ struct Columns {
           points.insert(points.end(), {lon, lat, 30.0 * k});
           p.push_back(std::sin(0.1 * lat) + std::cos(lon * 0.0174532925199433));
         }
-    const auto id = [](int i, int j, int k) {
-      return i % across + across * (j + (along + 1) * k);
-    };
+    const auto id = [](int i, int j, int k) { return i % across + across * (j + (along + 1) * k); };
     for (int j = 0; j < along; ++j)
       for (int i = first; i < last; ++i) {
         cells.push_back(j * across + i);

@@ -38,10 +38,34 @@ TestMesh mesh_of(const Ring& ring) {
 }
 
 /// Zero at the longitude 2 and each 60 degrees on: near the seam, in cells that wrap.
+double wave(double longitude) {
+  return std::sin(3 * (longitude - 2) * std::numbers::pi / 180);
+}
 std::vector<double> waves(const TestMesh& mesh) {
   std::vector<double> q;
   for (const Vec3d& x : mesh.vertices)
-    q.push_back(std::sin(3 * (x.x - 2) * std::numbers::pi / 180));
+    q.push_back(wave(x.x));
+  return q;
+}
+/// The same of cells, at their middles.
+std::vector<double> waves_of_cells(const TestMesh& mesh) {
+  std::vector<double> q;
+  for (const MeshCell& cell : mesh.cells) {
+    const double first = mesh.vertices[std::size_t(cell.vertices[0])].x;
+    double sum = 0;
+    for (const int v : cell.vertices)
+      sum += std::remainder(mesh.vertices[std::size_t(v)].x - first, 360.0);
+    q.push_back(wave(first + sum / 8));
+  }
+  return q;
+}
+
+/// The same each 120 degrees on an upright ring, with a valley at longitude 0.
+std::vector<double> valleys(const TestMesh& mesh) {
+  constexpr double at[] = {0, 1, 5, 6, 5, 1};
+  std::vector<double> q;
+  for (const Vec3d& x : mesh.vertices)
+    q.push_back(at[std::lround(x.x / 20) % 6] + 0.02 * x.y);
   return q;
 }
 
@@ -51,8 +75,11 @@ std::map<std::string, std::string> drawn(const TestMesh& mesh, const std::string
   options.scene = "insitu: 1\npage: false\nframes:\n" + frames;
   options.frame = fixtures::frame_of(units);
   return run_parts(mesh, partition, options, [&](PartSession& process, parallel::World&) {
-    if (!process.part().empty())
+    if (!process.part().empty()) {
       process.part().give_field(process.mesh().mesh(), "q", INSITU_VERTEX, 1, waves(mesh));
+      process.part().give_field(process.mesh().mesh(), "s", INSITU_VERTEX, 1, valleys(mesh));
+      process.part().give_field(process.mesh().mesh(), "d", INSITU_CELL, 1, waves_of_cells(mesh));
+    }
     EXPECT_EQ(process.execute(0), "");
   });
 }
@@ -75,7 +102,17 @@ const char* const looks = "size: [6, 6], background: transparent, cameras: {\n"
                           "      aslant: {position: [-100, -30, -2], look_at: [0, -20, -2], "
                           "orthographic: 3}}";
 
-/// The opacity of each pixel of images that ought to be of one opacity, within so many codes.
+/// The opacity of each pixel.
+void expect_opacity(const std::string& name, const std::string& bytes, double wanted,
+                    double codes) {
+  const output::PngImage image = image_of(bytes);
+  ASSERT_EQ(image.channels, 4);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      EXPECT_NEAR(image.pixel(x, y)[3], 255 * wanted, codes) << name << " " << x << " " << y;
+}
+
+/// The same of images that ought to be of one opacity, within so many codes.
 void expect_opacity(const std::map<std::string, std::string>& files, const std::string& frame,
                     double straight, double aslant, double codes) {
   int images = 0;
@@ -83,12 +120,8 @@ void expect_opacity(const std::map<std::string, std::string>& files, const std::
     if (name.rfind(frame, 0) != 0 || name.find(".png") == std::string::npos)
       continue;
     ++images;
-    const double wanted = 255 * (name.find("aslant") == std::string::npos ? straight : aslant);
-    const output::PngImage image = image_of(bytes);
-    ASSERT_EQ(image.channels, 4);
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x)
-        EXPECT_NEAR(image.pixel(x, y)[3], wanted, codes) << name << " " << x << " " << y;
+    expect_opacity(name, bytes, name.find("aslant") == std::string::npos ? straight : aslant,
+                   codes);
   }
   EXPECT_EQ(images, 4) << frame;
 }
@@ -115,14 +148,18 @@ TEST(EarthVolume, ATurnHasTheLengthOfATurn) {
   }
 }
 
-/// Six levels a turn, though cells with one of them are there twice.
+/// Six levels a turn, though cells with one of them are there twice, of vertices and of averages
+/// over the seam.
 TEST(EarthVolume, SurfacesOfATurnAreMetOnce) {
   const std::string frames = std::string("  - {name: levels, ") + looks +
                              ",\n     isosurfaces: [{field: q, values: [0], opacity: 0.1}]}\n"
                              "  - {name: rays, " +
                              looks +
                              ",\n     isosurfaces: [{field: q, values: [0], opacity: 0.1, search: "
-                             "cubic}]}\n";
+                             "cubic}]}\n  - {name: averages, " +
+                             looks +
+                             ",\n     isosurfaces: [{field: d, values: [0], opacity: 0.1, normals: "
+                             "smooth}]}\n";
   for (const Ring& ring : rings) {
     SCOPED_TRACE(ring.name);
     const TestMesh mesh = mesh_of(ring);
@@ -130,6 +167,44 @@ TEST(EarthVolume, SurfacesOfATurnAreMetOnce) {
     const double six = 1 - std::pow(0.9, 6);
     expect_opacity(files, "levels", six, six, 1);
     expect_opacity(files, "rays", six, six, 1);
+    if (ring.wraps) // the column at the other end is another one
+      expect_opacity(files, "averages", six, six, 1);
+  }
+}
+
+/// A surface 10 degrees east of the seam is lit as one 120 degrees further on, in the same cells.
+TEST(EarthVolume, SmoothNormalsGoOverTheSeam) {
+  const std::string frames =
+      "  - {name: lit, size: [12, 12], isosurfaces: [{field: s, values: [0.5], normals: smooth}],\n"
+      "     cameras: {seam: {position: [-5, 0, -2], look_at: [0, 0, -2], orthographic: 3},\n"
+      "       inside: {position: [115, 0, -2], look_at: [120, 0, -2], orthographic: 3}}}\n";
+  const TestMesh mesh = mesh_of(rings[1]);
+  const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+  const output::PngImage seam = image_of(files.at("lit_seam_000000.png"));
+  const output::PngImage inside = image_of(files.at("lit_inside_000000.png"));
+  for (int y = 0; y < seam.height; ++y)
+    for (int x = 0; x < seam.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(seam.pixel(x, y)[c], inside.pixel(x, y)[c], 1) << x << " " << y;
+        EXPECT_LT(seam.pixel(x, y)[c], 250); // not the white background
+      }
+}
+
+/// Where cells wrap around there is no wall at the seam; a roof and a floor are there once.
+TEST(EarthVolume, TheSeamIsNoBoundary) {
+  const std::string frames =
+      std::string("  - {name: walls, ") + looks +
+      ", boundary: {opacity: 0.1}}\n"
+      "  - {name: above, size: [35, 15], background: transparent, boundary: {opacity: 0.1},\n"
+      "     camera: {position: [180, 0, 90], look_at: [180, 0, 0], up: [0, 1, 0], orthographic: "
+      "150}}\n";
+  for (const Ring& ring : rings) {
+    SCOPED_TRACE(ring.name);
+    const TestMesh mesh = mesh_of(ring);
+    const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+    const double walls = ring.wraps ? 0.0 : 1 - 0.9 * 0.9;
+    expect_opacity(files, "walls", walls, walls, 1);
+    expect_opacity("above", files.at("above_000000.png"), 1 - 0.9 * 0.9, 1);
   }
 }
 

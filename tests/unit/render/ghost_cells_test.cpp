@@ -175,7 +175,7 @@ TEST(GhostCells, MayHoldGarbage) {
   committed.commit();
 
   const mesh::MeshView& view = committed.sampler().mesh();
-  const render::VertexCells around(view, nullptr, committed.threads, committed.memory);
+  const render::VertexCells around(view, nullptr, nullptr, committed.threads, committed.memory);
   const render::VertexAverage average(view, {mesh.field("c"), -1}, around, committed.threads,
                                       committed.memory);
   std::vector<std::vector<double>> expected(cells.vertices.size());

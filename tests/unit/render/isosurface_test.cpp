@@ -173,7 +173,7 @@ TEST(Isosurface, CellFieldIsAveragedToItsVertices) {
 
   const mesh::MeshView& view = mesh.sampler().mesh();
   const core::Threads threads(4);
-  const render::VertexCells around(view, nullptr, threads, mesh.committed.memory);
+  const render::VertexCells around(view, nullptr, nullptr, threads, mesh.committed.memory);
   EXPECT_EQ(around.bytes(), render::VertexCells::bytes_for(view, threads));
   const render::VertexAverage one(view, field, around, core::Threads(1), mesh.committed.memory);
   const render::VertexAverage four(view, field, around, threads, mesh.committed.memory);

@@ -129,7 +129,7 @@ TEST(PieceBorders, SeparatePiecesStayApart) {
   four.committed.commit();
   EXPECT_FALSE(four.view().join_pieces);
   // A vertex on a border then has its own piece's cells alone.
-  const render::VertexCells around(four.view(), nullptr, four.committed.threads,
+  const render::VertexCells around(four.view(), nullptr, nullptr, four.committed.threads,
                                    four.committed.memory);
   for (std::int64_t v = 0; v < four.view().vertex_count(); ++v)
     for (const std::uint32_t cell : around.of(v))

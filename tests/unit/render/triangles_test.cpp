@@ -90,8 +90,9 @@ TEST(Triangles, BoundaryOfAnAdaptiveMesh) {
       continue;
     RegisteredAmr mesh(recipe, INSITU_DUAL, [](const Vec3d& p) { return p.x; });
     const query::Sampler sampler = mesh.committed.sampler();
-    const auto boundary = render::TriangleMesh::boundary(
-        sampler.mesh(), sampler.facts().bounds, nullptr, mesh.committed.threads, mesh.committed.memory);
+    const auto boundary =
+        render::TriangleMesh::boundary(sampler.mesh(), sampler.facts().bounds, nullptr,
+                                       mesh.committed.threads, mesh.committed.memory);
     double area = 0;
     for (std::uint32_t i = 0; i < boundary->count(); ++i)
       area += 0.5 * std::sqrt(dot(boundary->normal(i), boundary->normal(i)));

@@ -11,8 +11,9 @@ namespace insitu::render {
 Medium::Medium(const query::Sampler& sampler, const ScalarField& field,
                const TransferFunction& function, double density, double unit_distance,
                const Majorants& majorants, const core::Threads& threads, core::Memory& memory)
-    : sampler_(sampler.among_images()), field_(field), function_(function), scale_(density / unit_distance),
-      grid_(majorants.grid()), majorants_(memory, INSITU_MEMORY_FRAME), colors_(function) {
+    : sampler_(sampler.among_images()), field_(field), function_(function),
+      scale_(density / unit_distance), grid_(majorants.grid()),
+      majorants_(memory, INSITU_MEMORY_FRAME), colors_(function) {
   if (!(density >= 0) || !(unit_distance > 0) || !std::isfinite(scale_))
     throw core::Error(INSITU_ERROR_ARGUMENT,
                       std::string("volume of '") + field.field.name + "': a density of " +

@@ -70,7 +70,8 @@ void for_each_corner(const mesh::MeshView& mesh, const ChartCopies* copies,
 VertexCells::VertexCells(const mesh::MeshView& mesh, const query::Seams* seams,
                          const ChartCopies* copies, const core::Threads& threads,
                          core::Memory& memory)
-    : memory_(&memory), turn_(copies ? copies->turn : 0.0), end_(memory, INSITU_MEMORY_FRAME), cells_(memory, INSITU_MEMORY_FRAME) {
+    : memory_(&memory), turn_(copies ? copies->turn : 0.0), end_(memory, INSITU_MEMORY_FRAME),
+      cells_(memory, INSITU_MEMORY_FRAME) {
   const std::int64_t vertex_count = mesh.vertex_count();
   end_.resize_discard(std::size_t(vertex_count) + 1);
   std::fill(end_.begin(), end_.end(), 0);

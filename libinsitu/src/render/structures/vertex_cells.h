@@ -14,12 +14,12 @@ namespace insitu::render {
 /// The cells around each vertex of a mesh, the owning ones and other processes' that lend their
 /// values (mesh::is_duplicate; these may hold what is not finite), in ascending order: so sums over
 /// them do not depend on threads. Vertices of different pieces that coincide are one
-/// (mesh::join_pieces) where MeshView::join_pieces says so. On a chart a cell counts where the solver
-/// has it, or else in its first copy over the seam, around all its vertices' copies; those that
-/// hold a pole, which have no place there, do not. Within a piece ids tell, and in
-/// gridlets vertices are those of one. Among cells of other processes the order is that of all
-/// cells, so that sums do not depend on processes either. 8 bytes a vertex and 4 per corner of a
-/// cell; holds as long as the cells do and, of several pieces, the coordinates.
+/// (mesh::join_pieces) where MeshView::join_pieces says so. On a chart a cell counts where the
+/// solver has it, or else in its first copy over the seam, around all its vertices' copies; those
+/// that hold a pole, which have no place there, do not. Within a piece ids tell, and in gridlets
+/// vertices are those of one. Among cells of other processes the order is that of all cells, so
+/// that sums do not depend on processes either. 8 bytes a vertex and 4 per corner of a cell; holds
+/// as long as the cells do and, of several pieces, the coordinates.
 class VertexCells {
 public:
   /// seams: of a mesh with a halo; else null. copies: of a chart that has some; else null.

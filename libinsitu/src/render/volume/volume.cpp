@@ -57,8 +57,7 @@ VolumeMarcher::VolumeMarcher(const query::Sampler& sampler, const VolumeSettings
                              const VolumeStructures& structures, const Lighting& lighting,
                              bool clipped)
     : sampler_(sampler),
-      located_(
-          (structures.culled ? sampler.among(*structures.culled) : sampler).among_images()),
+      located_((structures.culled ? sampler.among(*structures.culled) : sampler).among_images()),
       field_(settings.field), function_(settings.function), step_(ray_step(sampler, settings)),
       unit_distance_(unit_distance_of(sampler, settings)), sample_group_(settings.sample_group),
       clipped_(clipped), majorants_(settings.skip_empty ? structures.majorants : nullptr) {

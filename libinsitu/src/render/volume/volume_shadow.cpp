@@ -16,7 +16,8 @@ constexpr double dark = 1.0 / 4096; // less does not show
 VolumeShadow::VolumeShadow(const query::Sampler& sampler, const VolumeSettings& settings,
                            double density, const Majorants* majorants,
                            const std::vector<Clip>& clips)
-    : sampler_(sampler), located_(sampler.among_images()), field_(settings.field), step_(ray_step(sampler, settings)),
+    : sampler_(sampler), located_(sampler.among_images()), field_(settings.field),
+      step_(ray_step(sampler, settings)),
       classifier_(settings.function, step_ * density, unit_distance_of(sampler, settings)),
       majorants_(majorants), clips_(clips), box_(outer_bounds(sampler)) {
   options_.accuracy = settings.accuracy;

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "query/sampler.h"
 #include "mesh/box.h"
+#include "query/sampler.h"
 #include "render/clip.h"
 #include "render/volume/macrocells.h"
 #include "render/volume/volume.h"

@@ -50,7 +50,7 @@ public:
       return execute_on_all(own, step);
     const core::Timer timer;
     commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
-    if (mesh.tree().empty()) {
+    if (mesh.tree().empty() || mesh.sampler().facts(&environment_.context.threads).cells == 0) {
       note_nothing_drawn(mesh, step);
       return;
     }
@@ -107,9 +107,7 @@ private:
     const FieldsByName fields = frame_fields(frame_, mesh, environment_);
     const CellsInPlace in_place = find_cells_in_place(mesh);
     FrameDecisions decisions;
-    world.agree_after([&] {
-      decisions = decide_on_all(mesh, fields, in_place);
-    });
+    world.agree_after([&] { decisions = decide_on_all(mesh, fields, in_place); });
     // A halo that is there must not be of an earlier step.
     const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
     if (with_halo)

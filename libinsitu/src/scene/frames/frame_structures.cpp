@@ -13,11 +13,11 @@ render::Structures& FrameStructures::of(const commit::CommittedMesh& mesh) {
     entry.structures = std::make_unique<render::Structures>(context_->memory);
   // A frame that takes cells of other processes may find a mesh without them.
   if (!entry.begun || entry.tree != mesh.tree_version() || entry.fields != mesh.fields_version())
-    entry.structures->begin(mesh.sampler(), mesh.tree_version(), mesh.fields_version(),
-                            context_->threads,
-                            has_chart_copies(mesh)
-                                ? [this, &mesh] { return find_chart_copies(mesh, context_->threads); }
-                                : std::function<render::ChartCopies()>());
+    entry.structures->begin(
+        mesh.sampler(), mesh.tree_version(), mesh.fields_version(), context_->threads,
+        has_chart_copies(mesh)
+            ? [this, &mesh] { return find_chart_copies(mesh, context_->threads); }
+            : std::function<render::ChartCopies()>());
   entry.begun = true;
   entry.tree = mesh.tree_version();
   entry.fields = mesh.fields_version();
