@@ -115,6 +115,8 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
       query::Location at{all.fresh[i] ? -1 : all.cells[i], all.parametric[i]};
       if (!query::follow(sampler, same_cells, {settings_.accuracy}, at, all.positions[i])) {
         all.endings[i] = std::uint8_t(all.fresh[i] ? INSITU_END_SEED_OUTSIDE : INSITU_END_LEFT);
+        if (!same_cells) // it is of the cells before
+          all.cells[i] = -1;
         continue;
       }
       const bool fresh = all.fresh[i] != 0;

@@ -32,8 +32,6 @@ void ParticleTracer::refuse(const std::string& what) const {
 
 /// What is not done over processes.
 void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
-  if (tracer_.attached == Attached::body && mesh.reference_frame.kind == INSITU_FRAME_GEODETIC)
-    refuse("no particles that go with the material of meshes in longitude and latitude");
   if (!mesh.halo())
     refuse("no particles where cells stand in the place of the solver's");
 }
