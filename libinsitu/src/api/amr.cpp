@@ -2,6 +2,7 @@
 #include "api/entry.h"
 
 using namespace insitu;
+using api::with_asked_mesh;
 using api::with_mesh;
 
 extern "C" {
@@ -22,7 +23,7 @@ insitu_status insitu_mesh_leaves(insitu_mesh mesh, int32_t piece, const insitu_l
 
 insitu_status insitu_mesh_cell_levels(insitu_mesh mesh, int64_t count, const int64_t* cells,
                                       const int32_t* pieces, int64_t cell_base, int32_t* levels) {
-  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
+  return with_asked_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     const mesh::Mesh& own = m.mesh();
     const std::string name = "mesh '" + own.name() + "', levels of cells: ";
     m.require_committed();

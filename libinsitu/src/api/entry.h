@@ -97,6 +97,12 @@ insitu_status with_mesh(insitu_mesh handle, Body&& body) noexcept {
   return with_session_mesh(handle, [&](Session& s, SessionMesh& m) { body(s, m.mesh); });
 }
 
+/// The same with the mesh that queries are of, which may be one of a step that is held.
+template <class Body>
+insitu_status with_asked_mesh(insitu_mesh handle, Body&& body) noexcept {
+  return with_session_mesh(handle, [&](Session& s, SessionMesh& m) { body(s, s.answering(m)); });
+}
+
 /// Throws unless the pointer argument is given.
 inline void require(const void* argument, const char* name) {
   if (!argument)

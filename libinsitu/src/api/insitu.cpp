@@ -10,6 +10,7 @@
 using namespace insitu;
 using api::guarded;
 using api::require;
+using api::with_asked_mesh;
 using api::with_mesh;
 using api::with_session;
 using api::with_session_mesh;
@@ -182,7 +183,7 @@ insitu_status insitu_mesh_locator(insitu_mesh mesh, const insitu_locator* locato
 }
 
 insitu_status insitu_mesh_locator_info(insitu_mesh mesh, insitu_locator_info* info) {
-  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
+  return with_asked_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(info, "info");
     core::to_caller(m.locator_info(), info, "info");
   });
@@ -206,7 +207,7 @@ insitu_status insitu_mesh_commit(insitu_mesh mesh, insitu_commit_report* report)
 }
 
 insitu_status insitu_mesh_complete(insitu_mesh mesh, insitu_commit_report* report) {
-  return with_mesh(mesh, [&](api::Session& s, commit::CommittedMesh& m) {
+  return with_asked_mesh(mesh, [&](api::Session& s, commit::CommittedMesh& m) {
     if (report)
       core::check_size(report, "report"); // before anything is done
     const insitu_commit_report done = m.complete(s.context().memory);
@@ -226,7 +227,7 @@ insitu_status insitu_mesh_validate(insitu_mesh mesh, insitu_validation* validati
 }
 
 insitu_status insitu_mesh_amr_info(insitu_mesh mesh, insitu_amr_info* info) {
-  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
+  return with_asked_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(info, "info");
     core::to_caller(m.amr_info(), info, "info");
   });
@@ -277,7 +278,7 @@ insitu_status insitu_mesh_sample_point(insitu_mesh mesh, const char* field, cons
 
 insitu_status insitu_mesh_field_info(insitu_mesh mesh, const char* name, int32_t* components,
                                      insitu_association* association) {
-  return with_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
+  return with_asked_mesh(mesh, [&](api::Session&, commit::CommittedMesh& m) {
     require(name, "name");
     const mesh::FieldView field = m.mesh().own_field(name);
     if (components)
@@ -320,6 +321,24 @@ insitu_status insitu_session_record(insitu_session session, const char* path) {
     require(path, "path");
     s.record(path);
   });
+}
+
+insitu_status insitu_session_hold(insitu_session session, int32_t steps) {
+  return with_session(session, [&](api::Session& s) { s.hold(steps); });
+}
+
+insitu_status insitu_session_held(insitu_session session, int64_t* cycles, int32_t* count) {
+  return with_session(session, [&](api::Session& s) {
+    require(count, "count");
+    const std::vector<std::int64_t> held = s.held();
+    for (std::size_t i = 0; cycles && i < held.size() && std::int64_t(i) < *count; ++i)
+      cycles[i] = held[i];
+    *count = std::int32_t(held.size());
+  });
+}
+
+insitu_status insitu_session_show(insitu_session session, int64_t cycle) {
+  return with_session(session, [&](api::Session& s) { s.show(cycle); });
 }
 
 insitu_status insitu_session_write_summary(insitu_session session, const char* path,

@@ -132,11 +132,12 @@ void put_nearest(const query::Answered& answered, std::span<const commit::Neares
 
 } // namespace
 
-const commit::CommittedMesh& Session::committed(SessionMesh& mesh) {
-  mesh.mesh.require_committed();
-  if (checks(mesh))
-    mesh.watch.expect_unchanged(INSITU_CHANGED_NOTHING, context_.threads);
-  return mesh.mesh;
+commit::CommittedMesh& Session::committed(SessionMesh& to) {
+  commit::CommittedMesh& mesh = answering(to);
+  mesh.require_committed();
+  if (checks(to) && !shown_)
+    to.watch.expect_unchanged(INSITU_CHANGED_NOTHING, context_.threads);
+  return mesh;
 }
 
 void Session::for_each_slice(
@@ -243,10 +244,10 @@ void Session::sample(SessionMesh& to, const insitu_sample_args& given) {
 
 bool Session::sample_point(SessionMesh& to, const std::string& field, const double* point,
                            double* values) {
-  to.mesh.require_committed();
-  if (checks(to))
+  const commit::CommittedMesh& mesh = answering(to);
+  mesh.require_committed();
+  if (checks(to) && !shown_)
     to.watch.expect_unchanged_chunk();
-  const commit::CommittedMesh& mesh = to.mesh;
   const mesh::FieldView view = mesh.mesh().field(field);
   if (mesh.lies_on_device()) { // one point is a dear batch there
     insitu_locate_args args = insitu_locate_args_default();

@@ -89,23 +89,24 @@ void Session::ask_everywhere(SessionMesh& to, const insitu_sample_args& asked) {
       commit::require_nearest(mesh);
     points = points_of(mesh, args, given);
   });
+  commit::CommittedMesh& mesh = answering(to);
   world.require_same([&] {
     std::string all;
     for (const std::string& name : names)
       all += name + "\n";
     return std::vector<parallel::Named>{
-        {"mesh", to.mesh.mesh().name()},
+        {"mesh", mesh.mesh().name()},
         {"accuracy", std::to_string(int(args.accuracy))},
         {"outside", std::to_string(int(args.outside))},
         {"greatest_distance", std::to_string(args.greatest_distance)},
         {"fields", all}};
   });
-  if (to.mesh.needs_halo(world))
-    to.mesh.update_halo(world, context_.threads, context_.log);
+  if (mesh.needs_halo(world))
+    mesh.update_halo(world, context_.threads, context_.log);
   else
-    to.mesh.update_chart(world, context_.threads, context_.log);
-  to.mesh.to_plane(points);
-  commit::Everywhere everywhere(to.mesh, world);
+    mesh.update_chart(world, context_.threads, context_.log);
+  mesh.to_plane(points);
+  commit::Everywhere everywhere(mesh, world);
   const std::vector<int> components = everywhere.components(names);
   const bool wants_nearest = args.outside == INSITU_OUTSIDE_NEAREST;
   std::vector<std::size_t> outside; // items

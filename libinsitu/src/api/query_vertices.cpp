@@ -94,22 +94,23 @@ void Session::nearest_vertices(SessionMesh& to, const insitu_vertices_args& give
   };
   if (!everywhere) {
     take_arguments();
-    to.mesh.to_plane(points);
+    const commit::CommittedMesh& mesh = answering(to);
+    mesh.to_plane(points);
     commit::nearest_vertices(
-        to.mesh, points, most, farthest, world.rank(), context_.threads,
+        mesh, points, most, farthest, world.rank(), context_.threads,
         [&](std::size_t i, const query::NearVertices& found) { put(i, found.found()); });
   } else {
     world.agree_after(take_arguments);
+    commit::CommittedMesh& mesh = answering(to);
     world.require_same([&] {
       return std::vector<parallel::Named>{
-          {"mesh", to.mesh.mesh().name()},
+          {"mesh", mesh.mesh().name()},
           {"nearest", std::to_string(args.nearest)},
           {"greatest_distance", std::to_string(args.greatest_distance)}};
     });
-    to.mesh.update_chart(world, context_.threads, context_.log);
-    to.mesh.to_plane(points);
-    commit::Everywhere(to.mesh, world)
-        .nearest_vertices(points, most, farthest, context_.threads, put);
+    mesh.update_chart(world, context_.threads, context_.log);
+    mesh.to_plane(points);
+    commit::Everywhere(mesh, world).nearest_vertices(points, most, farthest, context_.threads, put);
   }
   statistics_.query_s += timer.seconds();
 }

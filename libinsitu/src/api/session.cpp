@@ -34,7 +34,7 @@ Session::Session(const insitu_session_options& options, std::shared_ptr<parallel
       context_(processes_.threads(options), {options.log_level, options.log, options.log_user}),
       strict_(options.strict != 0), default_scene_(options.default_scene != 0),
       preview_(options.preview != 0), output_(options.output ? options.output : ""),
-      query_points_(context_.memory, INSITU_MEMORY_QUERY) {}
+      query_points_(context_.memory, INSITU_MEMORY_QUERY), held_(context_.memory) {}
 
 void Session::open(const insitu_session_options& options) {
   read_scene(options);
@@ -48,6 +48,7 @@ void Session::open(const insitu_session_options& options) {
     for (const std::string& warning : scene_->warnings)
       if (processes_.world().is_root())
         context_.log.warning(warning);
+    held_.set_most(scene_->held_steps);
     make_runner(*scene_);
   });
 }
@@ -248,22 +249,39 @@ std::string Session::execute(std::int64_t cycle, double time) {
   world.agree_after([&] {
     if (!(time - time == 0.0))
       throw Error(INSITU_ERROR_ARGUMENT, "time: not finite");
+    if (cycle == INSITU_LIVE)
+      throw Error(INSITU_ERROR_ARGUMENT, "cycle: INSITU_LIVE, which is no cycle's number");
     locks_.take_missing();
   });
   processes_.agree_on_time(cycle, time);
+  return shown_ ? execute_shown(cycle, time) : execute_live(cycle, time);
+}
+
+std::string Session::execute_live(std::int64_t cycle, double time) {
   const std::vector<commit::CommittedMesh*> meshes = commit_on_all();
   ++statistics_.executions;
   cycle_ = cycle;
   time_ = time;
+  std::string failures = run_scene(meshes, cycle, time);
+  if (const std::string failure = hold_step(meshes); !failure.empty())
+    failures += (failures.empty() ? "" : "\n") + failure;
+  return failures;
+}
+
+/// Returns what failed.
+std::string Session::run_scene(const std::vector<commit::CommittedMesh*>& meshes,
+                               std::int64_t cycle, double time) {
   if (!runner_ && default_scene_) {
     std::int64_t cells = 0;
     for (const commit::CommittedMesh* const m : meshes)
       cells += m->mesh().own_view().own_cell_count();
-    world.reduce(std::span(&cells, 1), parallel::Reduction::sum);
+    processes_.world().reduce(std::span(&cells, 1), parallel::Reduction::sum);
     if (cells > 0 || meshes.empty())
       if (std::string failure = try_default_runner(meshes); !failure.empty())
         return failure;
   }
+  if (held_.most() > 0)
+    processes_.world().agree_after([&] { keep_structures(); });
   return runner_ ? runner_->execute(meshes, cycle, time) : std::string();
 }
 
@@ -306,7 +324,7 @@ insitu_report Session::report() const {
   r.output_s = s.output_s;
   r.keeps = s.keeps;
   r.refits = s.refits;
-  r.rebuilds = s.rebuilds;
+  r.rebuilds = s.rebuilds + held_.builds();
   for (const auto& m : meshes_)
     r.bytes_borrowed += m->mesh.mesh().bytes_borrowed();
   r.bytes_held = context_.memory.current();
@@ -328,13 +346,17 @@ insitu_report Session::report() const {
   r.probe_rows = s.probe_rows;
   r.files = s.files;
   r.failures = s.failures;
+  const auto located = held_.located();
+  std::ranges::copy(located, r.located_by_reason);
+  std::vector<const commit::CommittedMesh*> all = held_.meshes();
   for (const auto& m : meshes_) {
     const auto totals = m->mesh.locate_counts().totals();
     for (std::size_t reason = 0; reason < totals.size(); ++reason)
       r.located_by_reason[reason] += totals[reason];
-    if (const commit::Halo* const halo = m->mesh.halo())
-      r.halo_cells += halo->cell_count();
+    all.push_back(&m->mesh);
   }
+  for (const commit::CommittedMesh* const m : all)
+    r.halo_cells += m->halo() ? m->halo()->cell_count() : 0;
   const parallel::Traffic& sent = processes_.world().traffic();
   r.messages_sent = sent.messages;
   r.bytes_sent = sent.bytes + sent.collective_bytes;

@@ -13,6 +13,7 @@
 #include "api/processes.h"
 #include "api/query_args.h"
 #include "commit/committed_mesh.h"
+#include "commit/held/held_steps.h"
 #include "core/context.h"
 #include "core/memory.h"
 #include "scene/run/runner.h"
@@ -54,11 +55,19 @@ public:
   const std::string& plan();
   /// The state of all tracers, to a file and back; the latter before the first execute().
   void checkpoint(const std::string& path);
-  /// What was executed last, to a file.
+  /// What was executed last, or is shown, to a file.
   void record(const std::string& path);
   void restart(const std::string& path);
   /// Ends tracers and closes files; returns what failed.
   std::string finish();
+  /// Holds the last so many steps from now on; shows one of them, or INSITU_LIVE. Collective
+  /// (session_held.cpp).
+  void hold(int steps);
+  void show(std::int64_t cycle);
+  std::vector<std::int64_t> held() const { return held_.cycles(); }
+  /// The mesh that queries are of: the live one, or that of the step that is shown. Throws
+  /// INSITU_ERROR_ORDER if that step has none of its name.
+  commit::CommittedMesh& answering(SessionMesh& mesh);
 
   /// locator null: the scene's.
   void choose_locator(SessionMesh& mesh, const insitu_locator* locator);
@@ -82,8 +91,8 @@ private:
   bool checks(const SessionMesh& mesh) const {
     return checked_ && !mesh.mesh.mesh().lies_on_device();
   }
-  /// The mesh, if it may be queried.
-  const commit::CommittedMesh& committed(SessionMesh& mesh);
+  /// The mesh that queries are of, if it may be queried.
+  commit::CommittedMesh& committed(SessionMesh& mesh);
   /// Locates the points, a slice at a time, and writes what args asks for and the fields' values.
   void answer(const commit::CommittedMesh& mesh, const insitu_locate_args& args,
               const QueryPoints& points, std::span<const mesh::FieldView> fields,
@@ -107,6 +116,12 @@ private:
   /// The meshes as the last execute left them, for what is named in messages. Throws
   /// INSITU_ERROR_ORDER.
   std::vector<commit::CommittedMesh*> executed_meshes(const std::string& what);
+  std::string execute_live(std::int64_t cycle, double time);
+  std::string execute_shown(std::int64_t cycle, double time);
+  std::string run_scene(const std::vector<commit::CommittedMesh*>& meshes, std::int64_t cycle,
+                        double time);
+  std::string hold_step(const std::vector<commit::CommittedMesh*>& meshes);
+  void keep_structures();
   /// Commits them on all processes; they then are the same meshes in the same order.
   std::vector<commit::CommittedMesh*> commit_on_all();
   void meet(const char* call);
@@ -134,6 +149,9 @@ private:
   std::optional<scene::Records> records_; ///< of a session without a scene
   std::int64_t cycle_ = 0;                ///< executed last, and its time
   double time_ = 0.0;
+  commit::HeldSteps held_;
+  const commit::HeldStep* shown_ = nullptr; ///< null: the live one
+  std::string hold_failure_;                ///< the last one logged
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one
 };

@@ -42,16 +42,18 @@ void Session::record(const std::string& path) {
   });
   std::vector<commit::CommittedMesh*> meshes;
   processes_.world().agree_after([&] {
-    meshes = executed_meshes("record '" + path + "'");
+    meshes = shown_ ? shown_->shown() : executed_meshes("record '" + path + "'");
     if (processes_.world().is_root())
       locks_.take(path);
   });
+  const std::int64_t cycle = shown_ ? shown_->cycle : cycle_;
+  const double time = shown_ ? shown_->time : time_;
   if (runner_)
-    runner_->write_record(path, meshes);
+    runner_->write_record(path, meshes, cycle, time);
   else {
     if (!records_)
       records_.emplace(context_, processes_.world(), statistics_);
-    records_->write(path, {cycle_, time_, {}, {}}, meshes);
+    records_->write(path, {cycle, time, {}, {}}, meshes);
   }
 }
 

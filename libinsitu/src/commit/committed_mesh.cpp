@@ -104,7 +104,7 @@ void CommittedMesh::choose_stand_in() {
     stand_in_.reset();
   }
   if (!stand_in_)
-    stand_in_ = make_stand_in(mesh_, reference_frame, *memory_);
+    take_chart(stand_in_ = make_stand_in(mesh_, reference_frame, *memory_));
   if (stand_in_)
     stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
 }
@@ -230,6 +230,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
 /// Builds or refits the tree, or puts that off, if it is due; true then.
 bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
                                 const core::Threads& threads) {
+  if (topology && copied_ && take_tree(threads))
+    return true;
   if (topology && build_may_wait(threads)) {
     fit_.put_off_build(threads.count());
     report.action = INSITU_REBUILD;

@@ -67,6 +67,13 @@ public:
   insitu_commit_report commit(const core::Threads& threads, const core::Log& log,
                               const core::Memory& memory, bool strict);
 
+  /// Until end_copy() the commits of this mesh, which is new and gets copies of what another one
+  /// was given, take that one's tree wherever they find the same cells in the views, with what is
+  /// put off of it. `of` is committed, stays as it is and outlives that time.
+  void begin_copy(const CommittedMesh& of); // committed_mesh_copy.cpp
+  /// From now on the tree is this mesh's, and is kept: no commit finds a better one due.
+  void end_copy();
+
   /// The caller cannot give the arrays: the mesh is not committed, and its commits are to begin
   /// with expect_no_refusal(), which throws INSITU_ERROR_MESH with this message. "": the caller
   /// can.
@@ -217,6 +224,15 @@ public:
   /// anew.
   std::uint64_t geometry_version() const { return geometry_version_; }
 
+  /// The versions that records tell of the solver's cells and of their places: equal ones are the
+  /// same. Those of a copy are those that the other mesh had.
+  struct Told {
+    std::uint64_t topology, geometry;
+  };
+  Told told_versions() const {
+    return told_ ? *told_ : Told{own_topology_version_, geometry_version_};
+  }
+
   /// Keeps copies of this step for pathlines, as mesh::Mesh::keep_earlier() does; of none of the
   /// fields: releases all. with_cells: so that a change of topology leaves the step whole. The
   /// cells are copied at most once a topology; those of an adaptive mesh not before it regrids. An
@@ -304,6 +320,9 @@ private:
   void set_odd_cells(cells::OddCells odd, const core::Threads& threads);
   void look_for_overlaps(const core::Threads& threads);
   bool many_were_located() const;
+  bool has_cells_of(const CommittedMesh& other) const;
+  bool take_tree(const core::Threads& threads);
+  void take_chart(const std::unique_ptr<StandIn>& fresh);
 
   const std::uint64_t id_;
   mesh::Mesh mesh_;
@@ -352,6 +371,8 @@ private:
   std::unique_ptr<EarlierMesh> earlier_mesh_;
   std::uint64_t own_version_ = 0, fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;
+  const CommittedMesh* copied_ = nullptr; ///< while this one becomes a copy of it
+  std::optional<Told> told_;              ///< of a copy
 };
 
 } // namespace insitu::commit

@@ -17,7 +17,7 @@ const char* purpose_name(insitu_purpose purpose) {
       "tree",       "build",        "ranges",          "earlier_step",   "query", "tracers",
       "frames",     "converted",    "embree",          "device",         "amr",   "gathered_fields",
       "geocentric", "chart_copies", "face_neighbours", "blanked_fields", "halo",  "polyhedra",
-      "flat"};
+      "flat",       "held_steps"};
   static_assert(std::size(names) == INSITU_MEMORY_COUNT);
   return purpose >= 0 && purpose < INSITU_MEMORY_COUNT ? names[purpose] : "unknown";
 }

@@ -24,6 +24,7 @@ public:
     pending_ = pending_ || choice != choice_;
     choice_ = choice;
   }
+  const LocatorChoice& choice() const { return choice_; }
   /// Whether the next commit has structures to make, whatever changed.
   bool pending() const { return pending_; }
   const LocatorPick& pick() const { return pick_; }

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <unistd.h>
@@ -87,9 +88,16 @@ public:
       say("note: the numbers in the files' names do not ascend; steps are taken in the order "
           "given");
     ExitCode code = done;
-    for (std::size_t i = options_.preview ? steps_.size() - 1 : 0; i < steps_.size(); ++i) {
-      const std::size_t s = options_.reverse ? steps_.size() - 1 - i : i;
-      read_step(s, i);
+    if (options_.hold > 0)
+      session_.hold(options_.hold);
+    const std::vector<std::size_t> places = places_of(options_, steps_.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const std::size_t s = places[i];
+      progress_.show("[" + std::to_string(i + 1) + "/" + std::to_string(places.size()) + "] " +
+                     steps_[s].files.front());
+      const auto before = given_.find(s);
+      if (before == given_.end())
+        read_step(s);
       if (options_.validate) {
         if (!validate(s))
           code = failed;
@@ -102,7 +110,7 @@ public:
         }
         if (options_.check)
           return check();
-        if (!session_.execute(cycle_, time_))
+        if (!(before == given_.end() ? execute(s) : execute_again(s, before->second)))
           code = skipped; // the log has said what and why
       } catch (const insitu::Error& e) {
         throw FileError(steps_[s].files.front(), e.what());
@@ -114,13 +122,34 @@ public:
     const insitu::Report r = session_.report();
     session_.close();
     if (progress_.terminal() && !options_.validate && !options_.plan)
-      say(plural(std::int64_t(steps_.size()), "step") + ": " + plural(r.rebuilds, "rebuild") +
+      say(plural(std::int64_t(places.size()), "step") + ": " + plural(r.rebuilds, "rebuild") +
           ", " + plural(r.refits, "refit") + ", " + plural(r.keeps, "keep") + "; " +
           plural(r.probe_rows, "probe row") + ", " + plural(r.frames, "frame"));
     return code;
   }
 
 private:
+  /// What a step was executed as.
+  struct Given {
+    std::int64_t cycle;
+    double time;
+  };
+
+  /// The step that was read last.
+  bool execute(std::size_t s) {
+    given_[s] = {cycle_, time_};
+    return session_.execute(cycle_, time_);
+  }
+
+  /// A step that was executed before, from what is held of it.
+  bool execute_again(std::size_t s, const Given& step) {
+    session_.show(step.cycle);
+    const std::int64_t cycle = unused_cycle(steps_[s].files.front(), step.cycle, 0);
+    const bool well = session_.execute(cycle, step.time);
+    session_.show_live();
+    return well;
+  }
+
   /// Records tell their times, and go by these, then by their names, however they were given.
   static std::vector<Step> ordered(std::vector<Step> steps) {
     for (Step& step : steps)
@@ -182,12 +211,10 @@ private:
     std::fprintf(stderr, "insitu-replay: %s\n", message.c_str());
   }
 
-  /// Gives the files of a step, the i-th in the order asked for, to the mesh.
-  void read_step(std::size_t s, std::size_t i) {
+  /// Gives the files of a step to the mesh.
+  void read_step(std::size_t s) {
     const Step& step = steps_[s];
     const std::string& first = step.files.front();
-    progress_.show("[" + std::to_string(i + 1) + "/" + std::to_string(steps_.size()) + "] " +
-                   first);
     const bool is_first = cycles_.empty();
     const double earlier = time_; // of the step read before
     if (first_)
@@ -317,6 +344,7 @@ private:
   double time_ = 0;
   std::set<std::int64_t> cycles_; ///< of the steps so far
   bool counts_ = false;           ///< steps are counted on, whatever the files say
+  std::map<std::size_t, Given> given_; ///< by place
   std::set<std::string> said_;    ///< what is said once
 };
 

@@ -1,5 +1,6 @@
 #include "options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -47,6 +48,11 @@ these is said once.
                    again; nan is a value. The field data _FillValue and missing_value, or FIELD.
                    before these, say the same
   --reverse        the last step first: time goes back, and with it tracers of 'direction: backward'
+  --hold K         hold the last K steps, with copies of their arrays and their trees
+  --order LIST     the steps in this order, by their places, from 0 on: '0-9,8-0' goes there and
+                   back. A step that comes again must be held, and is neither read nor built again:
+                   probes, streamlines and frames are done once more, by the next free cycle
+                   number, and tracers of particles go on with steps that come first
   --threads N      at most N threads (default: all that the process may use)
   --strict         refuse arrays that would have to be converted, such as integer fields
   --plan           print what the scene needs for the first step, what it does without and why,
@@ -116,6 +122,39 @@ ReplayOptions::Blank read_blank(const std::string& text) {
   return blank;
 }
 
+/// Reads a number from 0 on; of_key: for messages.
+template <class Number>
+Number read_number(const std::string& text, const std::string& of_key) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < Number())
+    throw UsageError(of_key);
+  return number;
+}
+
+/// "2,0-3,1" is 2, 0, 1, 2, 3, 1.
+std::vector<std::size_t> read_order(const std::string& text) {
+  const std::string expected = "--order: '" + text + "': places of steps, such as 0-9,8-0 expected";
+  constexpr std::size_t most = 10'000'000;
+  std::vector<std::size_t> order;
+  std::istringstream items(text);
+  for (std::string item; std::getline(items, item, ',');) {
+    const auto dash = item.find('-');
+    const auto first = read_number<std::size_t>(item.substr(0, dash), expected);
+    const std::size_t last = dash == std::string::npos
+                                 ? first
+                                 : read_number<std::size_t>(item.substr(dash + 1), expected);
+    if (std::max(first, last) >= most || order.size() >= most)
+      throw UsageError(expected);
+    for (std::size_t place = first; place != last; first < last ? ++place : --place)
+      order.push_back(place);
+    order.push_back(last);
+  }
+  if (order.empty() || text.back() == ',')
+    throw UsageError(expected);
+  return order;
+}
+
 } // namespace
 
 ReplayOptions parse_arguments(int argc, char** argv) {
@@ -176,9 +215,12 @@ ReplayOptions parse_arguments(int argc, char** argv) {
       o.has_frame = true;
     } else if (key == "--threads") {
       const std::string& text = take();
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), o.threads);
-      if (error != std::errc() || end != text.data() + text.size() || o.threads < 0)
-        throw UsageError("--threads: '" + text + "' is not a number of threads");
+      o.threads = read_number<int>(text, "--threads: '" + text + "' is not a number of threads");
+    } else if (key == "--hold") {
+      const std::string& text = take();
+      o.hold = read_number<int>(text, "--hold: '" + text + "' is not a number of steps");
+    } else if (key == "--order") {
+      o.order = read_order(take());
     } else {
       throw UsageError(key + ": unknown option");
     }
@@ -197,9 +239,30 @@ ReplayOptions parse_arguments(int argc, char** argv) {
                                      {!o.probe.empty(), "--probe"}})
       if (other)
         throw UsageError(std::string("--preview and ") + key + ": give one of both");
+  if (!o.order.empty())
+    for (const auto& [other, key] : {std::pair{o.plan, "--plan"},
+                                     {o.validate, "--validate"},
+                                     {o.check, "--check"},
+                                     {o.preview, "--preview"},
+                                     {o.reverse, "--reverse"}})
+      if (other)
+        throw UsageError(std::string("--order and ") + key + ": give one of both");
   if (!o.scene.empty() && !o.probe.empty())
     throw UsageError("--scene and --probe: give one of both");
   return o;
+}
+
+std::vector<std::size_t> places_of(const ReplayOptions& options, std::size_t steps) {
+  for (const std::size_t place : options.order)
+    if (place >= steps)
+      throw UsageError("--order: step " + std::to_string(place) + " of " + std::to_string(steps) +
+                       ", which count from 0");
+  if (!options.order.empty())
+    return options.order;
+  std::vector<std::size_t> all;
+  for (std::size_t i = options.preview ? steps - 1 : 0; i < steps; ++i)
+    all.push_back(options.reverse ? steps - 1 - i : i);
+  return all;
 }
 
 } // namespace insitu_replay

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct ReplayOptions {
   std::string mesh = "mesh";
   insitu::Frame frame = insitu::Frame::cartesian(); ///< of the files' points
   int threads = 0;
+  int hold = 0;                   ///< steps, beside the live one
+  std::vector<std::size_t> order; ///< of steps, by their places; empty: each once
   struct Blank {
     std::string field; ///< empty: all
     double value = 0;
@@ -29,6 +32,9 @@ struct ReplayOptions {
 };
 
 ReplayOptions parse_arguments(int argc, char** argv);
+
+/// The places of steps, of so many, in the order in which they come. Throws UsageError.
+std::vector<std::size_t> places_of(const ReplayOptions& options, std::size_t steps);
 
 extern const char* const help_text;
 

@@ -207,7 +207,7 @@ contains
         insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
         insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, &
         insitu_memory_blank, insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, &
-        insitu_memory_count, &
+        insitu_memory_held, insitu_memory_count, &
         insitu_faces_owners, insitu_faces_cells])
       count = constants(there)
       if (count == size(here)) then

@@ -3,52 +3,14 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <deque>
 #include <functional>
-#include <type_traits>
 
 #include "insitu/insitu.hpp"
 
-#include "replay.h"
+#include "arrays.h"
+#include "held.h"
 
 namespace records {
-
-using Files = std::map<std::string, std::string>;
-
-inline void check(insitu_status status) {
-  ASSERT_EQ(status, INSITU_OK) << insitu_last_message();
-}
-
-/// Files of a folder, without the page, whose seconds differ.
-inline Files files_of(const fs::path& folder) {
-  Files files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (const std::string name = fs::relative(entry.path(), folder).string();
-        entry.is_regular_file() && name != "run.js" && name != "index.html" &&
-        name.find("lock") == std::string::npos)
-      files[name] = contents(entry.path());
-  return files;
-}
-
-/// Arrays that a solver keeps for as long as a run goes on.
-class Arrays {
-public:
-  template <class T>
-  insitu_array keep(std::vector<T> values, int components = 1) {
-    constexpr insitu_type type = std::is_same_v<T, float>          ? INSITU_FLOAT32
-                                 : std::is_same_v<T, double>       ? INSITU_FLOAT64
-                                 : std::is_same_v<T, std::int32_t> ? INSITU_INT32
-                                 : std::is_same_v<T, std::int64_t> ? INSITU_INT64
-                                                                   : INSITU_UINT8;
-    const auto count = std::int64_t(values.size()) / components;
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    kept_.emplace_back(bytes, bytes + values.size() * sizeof(T));
-    return insitu_array_of(kept_.back().data(), type, count, components);
-  }
-
-private:
-  std::deque<std::vector<unsigned char>> kept_;
-};
 
 /// A lattice of n^3 cubes of side 1/n, shifted along x.
 struct Lattice {
@@ -105,7 +67,7 @@ frames:
   - {name: seen, size: [40, 30], isosurfaces: [{field: p, values: [0.6]}], volume: {field: c}}
 )";
 
-  /// Runs a solver that gives its mesh at each step, and its records again.
+  /// Runs a solver that gives its mesh at each step, and its records again; and its steps, held.
   void same_again(const std::function<void(insitu_session, int step, Arrays&)>& give,
                   std::string of_scene = {}) {
     put("points.csv", "x,y,z\n0.4,0.3,0.2\n0.5,0.5,0.5\n9,9,9\n0.25,0.75,0.5\n");
@@ -131,6 +93,8 @@ frames:
     EXPECT_EQ(first.size(), second.size());
     for (const auto& [name, bytes] : first) // records among them: they hold nothing of the run
       EXPECT_TRUE(second.count(name) && second.at(name) == bytes) << name;
+    fs::remove_all(folder / "held");
+    HeldRun(*this, of_scene.empty() ? scene : of_scene).run(give);
   }
 
   static insitu_mesh mesh_of(insitu_session session, const char* name = "mesh") {

@@ -1,5 +1,6 @@
 /// Scenes of adaptive meshes over processes: their files are those of one process, to the byte.
 #include "part_session.h"
+#include "shown_again.h"
 #include "unit/parallel/amr_part.h"
 
 using namespace insitu;
@@ -127,6 +128,41 @@ void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t
 }
 
 } // namespace
+
+/// By both reconstructions; the leaves regrid between the steps that are held.
+TEST(ProcessAdaptive, HeldSteps) {
+  const std::string scene =
+      "insitu: 1\npage: false\nhold: {steps: 3}\n"
+      "probes:\n"
+      "  - {name: line, points: {line: {from: [-0.2, 0.3, 0.1], to: [4.1, 3.7, 3.9], count: 60}},\n"
+      "     fields: [s, v], outside: nearest}\n"
+      "frames:\n"
+      "  - {name: seen, size: [24, 24], isosurfaces: [{field: s, values: [0.3]}]}\n"
+      "  - {name: inside, size: [24, 24], volume: {field: s}}\n";
+  for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
+    std::map<std::string, std::string> expected;
+    for (const auto& [processes, kind] : {std::pair(1, 0), std::pair(2, 0), std::pair(3, 2)}) {
+      const OwnFolder folder;
+      const std::string out = folder / "out";
+      const Deal deal = deal_of(kind, processes);
+      run_processes(processes, [&](parallel::World& world) {
+        AmrSession process(world, octree(), how, deal, scene, out);
+        for (int cycle = 0; cycle < 4; ++cycle) {
+          if (cycle == 2)
+            process.give(world, patches(), how, deal);
+          EXPECT_EQ(process.execute(cycle), "");
+        }
+        show_again(process.session(), {1, 3, 2, 1});
+        EXPECT_EQ(process.session().finish(), "");
+      });
+      const auto files = files_of(out);
+      if (expected.empty())
+        expected = files;
+      expect_same(expected, files, "on " + std::to_string(processes));
+      EXPECT_EQ(expect_shown_as_live(files), 6);
+    }
+  }
+}
 
 TEST(ProcessAdaptive, ProbesAndConditions) {
   const std::string scene =

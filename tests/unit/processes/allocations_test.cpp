@@ -141,6 +141,37 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfACheckpoint) {
   EXPECT_GT(failures, 10);
 }
 
+/// The steps before stay, and the next one is held.
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfHoldingAStep) {
+  const int failures = lack_each(
+      "hold: {steps: 3}\nframes:\n  - {name: seen, size: [8, 8], isosurfaces: [{field: c, values: "
+      "[0.5]}]}\n",
+      11, [](Attempt& attempt) {
+        api::Session& session = attempt.process.session();
+        const auto move = [&](double by) {
+          std::vector<Vec3d> points = attempt.whole.vertices;
+          for (Vec3d& x : points)
+            x.x += by * x.y;
+          attempt.process.part().move(attempt.process.mesh().mesh(), points);
+        };
+        EXPECT_EQ(attempt.process.execute(0), "");
+        move(0.1);
+        attempt.process.give_fields(1);
+        attempt([&] { return execute(attempt.process, 1); });
+        move(0.2);
+        EXPECT_EQ(attempt.process.execute(2), "");
+        const std::vector<std::int64_t> held = session.held();
+        attempt.world.agree_after([&] {
+          EXPECT_TRUE(held == (std::vector<std::int64_t>{0, 1, 2}) ||
+                      (attempt.failed && held == (std::vector<std::int64_t>{0, 2})));
+        });
+        session.show(0);
+        EXPECT_EQ(session.execute(10, 0.0), "");
+        session.show(INSITU_LIVE);
+      });
+  EXPECT_GT(failures, 5);
+}
+
 namespace {
 
 /// What comes from two cycles on other cells than the attempt's.

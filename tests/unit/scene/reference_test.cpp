@@ -80,6 +80,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"The scene", "zzz: 1"},
       {"checkpoint", "checkpoint: {zzz: 1}"},
       {"record", "record: {zzz: 1}"},
+      {"hold", "hold: {zzz: 1}"},
       {"locator", "locator: {zzz: 1}"},
       {"probes", "probes: [{zzz: 1}]"},
       {"Points and seeds", "probes: [{points: {zzz: 1}}]"},

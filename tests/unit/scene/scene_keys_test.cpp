@@ -267,6 +267,8 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(parse("checkpoint: {every: 5, keep: 1}\n").checkpoint.keep, 1);
   EXPECT_FALSE(parse("every: 2\n").record.every);
   EXPECT_EQ(parse("record: {every: 7}\n").record.every, 7);
+  EXPECT_EQ(parse("every: 2\n").held_steps, 0);
+  EXPECT_EQ(parse("hold: {steps: 3}\n").held_steps, 3);
   const SceneDescription seeded =
       parse("probes: [{name: p, mesh: m, points: [[1, 2, 3]], frame: geocentric}]\n"
             "tracers: [{name: t, velocity: u, seeds: {probe: p}}]");

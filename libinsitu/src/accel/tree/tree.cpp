@@ -64,6 +64,20 @@ Tree Tree::take() {
   return taken;
 }
 
+void Tree::copy(const Tree& from) {
+  nodes_.resize_discard(from.nodes_.size());
+  std::copy(from.nodes_.begin(), from.nodes_.end(), nodes_.begin());
+  cells_.resize_discard(from.cells_.size());
+  std::copy(from.cells_.begin(), from.cells_.end(), cells_.begin());
+  levels_ = from.levels_;
+  odd_ = {};
+  origin_ = from.origin_;
+  bounds_ = from.bounds_;
+  builder_ = from.builder_;
+  cost_ = from.cost_;
+  built_cost_ = from.built_cost_;
+}
+
 void Tree::release_scratch() {
   embree_.reset();
   morton_.reset();

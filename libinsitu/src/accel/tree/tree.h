@@ -35,6 +35,10 @@ public:
   /// Moves the tree out. An empty tree with the scratch of the builders stays behind.
   Tree take();
 
+  /// Becomes a copy of another tree, without its scratch and its marks of odd cells. The cells are
+  /// those of a mesh with the same flat ids.
+  void copy(const Tree& from);
+
   /// Takes over a part of another tree: the cells whose places in its cells() have a bit set, and
   /// those of its nodes that lead to them. The call looks at boxes alone, neither at cells nor at
   /// values, and marks no odd cells.

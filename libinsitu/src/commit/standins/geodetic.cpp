@@ -243,6 +243,16 @@ bool Geodetic::set_whole_chart(const ChartFacts& whole) {
   return others;
 }
 
+void Geodetic::take_chart(const StandIn& of, bool is_part) {
+  const auto* const from = dynamic_cast<const Geodetic*>(&of);
+  if (!from)
+    return;
+  facts_ = from->facts_;
+  whole_ = from->whole_;
+  has_whole_ = from->has_whole_ || !is_part;
+  knows_others_ = from->knows_others_;
+}
+
 std::int64_t Geodetic::copied_cells() const {
   std::int64_t sum = 0;
   for (const auto& c : copies_)

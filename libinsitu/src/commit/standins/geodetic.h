@@ -54,6 +54,7 @@ public:
   const ChartFacts* chart_facts() const override { return &facts_; }
   bool has_whole_chart() const override { return has_whole_; }
   bool set_whole_chart(const ChartFacts& whole) override;
+  void take_chart(const StandIn& of, bool is_part) override;
   const query::ChartImage& image() const { return image_; }
   const query::ChartImage* chart() const override { return &image_; }
   std::optional<Held> held() const override {

@@ -84,6 +84,10 @@ public:
   /// From the next commit on the chart is that of all processes' cells, until those here tell other
   /// facts. Returns whether the chart is another than that of the last commit.
   virtual bool set_whole_chart(const ChartFacts& /*whole*/) { return false; }
+  /// Before the first commit, of the mesh that another stand-in is of, in copies: takes the chart
+  /// that this one has, on all processes, which may be of steps before as well. is_part: there are
+  /// several.
+  virtual void take_chart(const StandIn& /*of*/, bool /*is_part*/) {}
 
   /// A location as the solver counts cells, flat over its pieces; at may be outside.
   virtual query::Location own(const query::Location& at, const math::Vec3d& p) const = 0;

@@ -251,13 +251,14 @@ void CountedVertices::update(const commit::CommittedMesh& mesh, parallel::World&
     return has_cells && !mesh.mesh().has_global_ids(of);
   };
   const bool moved = geometry_ != mesh.geometry_version();
-  std::int64_t here[] = {!found_ || topology_ != mesh.topology_version(), moved,
-                         lacks(INSITU_VERTEX), lacks(INSITU_CELL)};
+  std::int64_t here[] = {!found_ || mesh_ != mesh.id() || topology_ != mesh.topology_version(),
+                         moved, lacks(INSITU_VERTEX), lacks(INSITU_CELL)};
   world.reduce(here, parallel::Reduction::greatest);
   if (!here[0] && !(here[1] && here[2]))
     return;
   found_ = false;
   counted_ = Finder(mesh.mesh(), world, threads).find(!here[2], !here[3]);
+  mesh_ = mesh.id();
   topology_ = mesh.topology_version();
   geometry_ = mesh.geometry_version();
   found_ = true;

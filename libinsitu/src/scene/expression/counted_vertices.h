@@ -30,7 +30,7 @@ private:
   class Finder;
 
   std::vector<std::vector<bool>> counted_; ///< [piece][vertex], or empty: all
-  std::uint64_t topology_ = 0, geometry_ = 0;
+  std::uint64_t mesh_ = 0, topology_ = 0, geometry_ = 0;
   bool found_ = false;
 };
 

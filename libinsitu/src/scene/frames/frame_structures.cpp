@@ -41,6 +41,8 @@ bool FrameStructures::is_there(std::uint64_t id,
   for (const auto& [key, drawn] : geocentric_)
     if (drawn.id == id)
       id = key.first;
+  if (std::find(kept_.begin(), kept_.end(), id) != kept_.end())
+    return true;
   return std::any_of(meshes.begin(), meshes.end(),
                      [&](const commit::CommittedMesh* mesh) { return mesh->id() == id; });
 }

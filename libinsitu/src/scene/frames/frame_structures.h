@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "commit/committed_mesh.h"
 #include "render/structures/structures.h"
@@ -22,6 +24,9 @@ public:
 
   /// Those of a mesh as it is now; valid until end_cycle().
   render::Structures& of(const commit::CommittedMesh& mesh);
+  /// Meshes that are there though cycles may do without them, by their ids: those of steps that are
+  /// held, and the live ones.
+  void keep_also(std::vector<std::uint64_t> ids) { kept_ = std::move(ids); }
   /// Gives back what the cycle's frames of a mesh did without, and all of meshes that are gone. In
   /// a cycle without a frame of a mesh, what is there stays.
   void end_cycle(std::span<commit::CommittedMesh* const> meshes);
@@ -45,6 +50,7 @@ private:
   bool is_there(std::uint64_t id, std::span<commit::CommittedMesh* const> meshes) const;
 
   core::Context* context_;
+  std::vector<std::uint64_t> kept_;
   std::map<std::uint64_t, Entry> by_mesh_; ///< by CommittedMesh::id()
   /// By the solver's mesh and the exaggeration.
   std::map<std::pair<std::uint64_t, double>, Geocentric> geocentric_;

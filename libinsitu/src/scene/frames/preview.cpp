@@ -36,6 +36,7 @@ SceneDescription preview_of(SceneDescription scene) {
   scene.tracers.clear();
   scene.checkpoint = {};
   scene.record = {};
+  scene.held_steps = 0;
   scene.page = false;
   scene.trigger = {};
   for (Frame& frame : scene.frames) {

@@ -229,6 +229,7 @@ struct SceneDescription {
   LocatorOptions locator;
   CheckpointOptions checkpoint;
   RecordOptions record;
+  int held_steps = 0; ///< steps that are held beside the live one
   bool page = true; ///< whether the run has its page
   Trigger trigger;  ///< default of the items below, each of which holds the trigger that counts for
                     ///< it

@@ -76,8 +76,8 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   scene.file = name;
   scene.text = text;
   const MapReader map(Cursor(*root, "", problems),
-                      {"insitu", "output", "page", "locator", "checkpoint", "record", "every",
-                       "when", "probes", "tracers", "frames"});
+                      {"insitu", "output", "page", "locator", "checkpoint", "record", "hold",
+                       "every", "when", "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
     assign(scene.output, output->text());
@@ -93,6 +93,9 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   }
   if (const auto record = map.find("record")) {
     scene.record = parse_record(*record);
+  }
+  if (const auto hold = map.find("hold")) {
+    scene.held_steps = parse_hold(*hold);
   }
   scene.trigger = parse_trigger(map, {});
   ParseContext context{base_folder, scene.trigger, {}, &scene.probes};

@@ -29,6 +29,7 @@ constexpr std::int64_t most_points = 1'000'000'000;
 constexpr std::int64_t most_levels = 1'000'000;
 constexpr std::int64_t largest_image_side = 16384;
 constexpr std::int64_t most_cycles = 1'000'000'000;
+constexpr std::int64_t most_held_steps = 1'000'000;
 constexpr std::int64_t most_steps = 1'000'000'000;
 constexpr std::size_t most_isovalues = 256;
 
@@ -62,6 +63,8 @@ Release parse_release(const Cursor& cursor);
 OutputTimes parse_times(const Cursor& cursor);
 CheckpointOptions parse_checkpoint(const Cursor& cursor);
 RecordOptions parse_record(const Cursor& cursor);
+/// How many steps are held.
+int parse_hold(const Cursor& cursor);
 /// Returns whether seeds are those of a probe, `{probe: name}`, which parse_seeds_of_probe then
 /// reads.
 bool names_probe(const Cursor& seeds);

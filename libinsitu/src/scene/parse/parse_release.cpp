@@ -83,6 +83,15 @@ RecordOptions parse_record(const Cursor& cursor) {
   return options;
 }
 
+int parse_hold(const Cursor& cursor) {
+  const MapReader map(cursor, {"steps"});
+  std::int64_t steps = 0;
+  if (const auto given = map.require("steps")) {
+    assign(steps, given->integer(1, most_held_steps));
+  }
+  return int(steps);
+}
+
 bool names_probe(const Cursor& seeds) {
   if (!seeds.is_map()) {
     return false;

@@ -26,6 +26,7 @@ public:
   const Trigger& trigger() const override { return probe_.trigger; }
   const Name& mesh_name() const override { return probe_.mesh; }
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override;
+  bool serves_held_steps() const override { return !moves(); }
   void finish() override { tables_.finish(); }
   void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
   std::string state_name() const override;

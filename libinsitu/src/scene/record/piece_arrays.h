@@ -32,15 +32,7 @@ struct RecordStream {
   const std::byte* items_at(std::int64_t begin, std::int64_t end, std::byte* scratch) const;
 };
 
-/// The number of components of arrays that together hold one quantity.
-int components_of(const std::vector<mesh::ExternalArray>& arrays);
-
-/// The items of such arrays, without gaps, in their own type.
+/// The items of arrays that together hold one quantity, without gaps, in their own type.
 RecordRun run_of(const std::vector<mesh::ExternalArray>& arrays);
-/// The cells of a patch with one layer of ghosts at the faces that have any.
-RecordRun run_of_patch(const std::vector<mesh::ExternalArray>& arrays, const insitu_patch& patch);
-
-/// The layers of ghosts that a record keeps of a patch: one, of those that the library reads.
-void recorded_layers(const insitu_patch& patch, std::int64_t before[3], std::int64_t after[3]);
 
 } // namespace insitu::scene

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <utility>
 
+#include "mesh/registered/dense_items.h"
 #include "output/files/json_text.h"
 
 namespace insitu::scene {
@@ -24,8 +24,9 @@ public:
   RecordedPart write() {
     const mesh::Mesh& from = mesh_.mesh();
     json_.open('{');
-    json_.key("topology").value(std::int64_t(mesh_.own_topology_version()));
-    json_.key("geometry").value(std::int64_t(mesh_.geometry_version()));
+    const commit::CommittedMesh::Told told = mesh_.told_versions();
+    json_.key("topology").value(std::int64_t(told.topology));
+    json_.key("geometry").value(std::int64_t(told.geometry));
     write_fields(from.given());
     json_.key("pieces").open('[');
     for (std::int32_t p = 0; p < from.given_piece_count(); ++p)
@@ -87,7 +88,7 @@ private:
   void write_amr(const mesh::AmrPiece& piece) {
     if (piece.kind == mesh::AmrPiece::Kind::patch) {
       std::int64_t before[3], after[3];
-      recorded_layers(piece.patch, before, after);
+      mesh::read_layers(piece.patch, before, after);
       json_.value("patch").key("level").value(piece.patch.level);
       numbers("lower", piece.patch.lower);
       numbers("cells", piece.patch.cells);
@@ -104,7 +105,7 @@ private:
   void add(const std::string& name, const std::string& dataset,
            const std::vector<ExternalArray>& arrays, RecordRun run, bool flat = false) {
     const insitu_type type = arrays[0].type;
-    const int components = components_of(arrays);
+    const int components = mesh::components_of(arrays);
     std::string file = dataset + "." + mesh::type_name(type);
     if (!flat && components > 1)
       file += "x" + std::to_string(components);
@@ -142,35 +143,19 @@ private:
   /// Rings that lie behind pointers, as rings that follow each other.
   void add_rings(const std::string& offsets, const ExternalArray& rings,
                  const ExternalArray& counts, std::int64_t base) {
-    const auto count_of = [counts](std::int64_t face) {
-      return std::max<std::int64_t>(
-          mesh::load_index(counts.at(face, 0), counts.type == INSITU_INT32), 0);
-    };
-    std::int64_t ids = 0;
-    for (std::int64_t f = 0; f < rings.layout.count; ++f)
-      ids += count_of(f);
-    const int size = mesh::size_of(rings.type);
+    mesh::RingsBehind behind(rings, counts);
     const std::string vertices = offsets == "face offsets" ? "vertices" : "boundary vertices";
     add(vertices, vertices, {rings},
-        {ids, nullptr,
-         [rings, count_of, size, face = std::int64_t(0),
-          within = std::int64_t(0)](std::int64_t begin, std::int64_t end, std::byte* to) mutable {
-           for (; begin < end; ++begin, ++within, to += size) {
-             for (; within == count_of(face); ++face)
-               within = 0;
-             std::memcpy(to, rings.at(face, 0) + within * size, std::size_t(size));
-           }
+        {behind.id_count(), nullptr,
+         [behind](std::int64_t begin, std::int64_t end, std::byte* to) mutable {
+           behind.copy_ids(begin, end, to);
          }});
     ExternalArray places = counts; // its type alone
     places.type = INSITU_INT64;
     add(offsets, offsets, {places},
-        {rings.layout.count + 1, nullptr,
-         [count_of, next = base, faces = rings.layout.count](std::int64_t begin, std::int64_t end,
-                                                             std::byte* to) mutable {
-           for (; begin < end; ++begin, to += sizeof next) {
-             std::memcpy(to, &next, sizeof next);
-             next += begin < faces ? count_of(begin) : 0;
-           }
+        {behind.face_count() + 1, nullptr,
+         [behind, base](std::int64_t begin, std::int64_t end, std::byte* to) mutable {
+           behind.copy_places(begin, end, base, to);
          }});
   }
 
@@ -214,7 +199,7 @@ private:
     for (const mesh::GivenField& field : piece.fields)
       add((field.association == INSITU_CELL ? "cell " : "vertex ") + field.name,
           field_dataset(field), field.arrays,
-          is_patch ? run_of_patch(field.arrays, piece.amr.patch) : run_of(field.arrays));
+          run_of(is_patch ? mesh::with_read_layers(field.arrays, piece.amr.patch) : field.arrays));
     json_.close().close();
   }
 

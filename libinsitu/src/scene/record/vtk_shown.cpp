@@ -147,7 +147,7 @@ void VtkShown::look_at(const mesh::GivenPiece& given, Facts& facts) {
   piece->points = given.points;
   if (!given.points.empty()) {
     piece->vertices = given.points[0].layout.count;
-    facts.links_points = facts.links_points && components_of(given.points) == 3;
+    facts.links_points = facts.links_points && mesh::components_of(given.points) == 3;
     facts.point_type = std::min<std::int64_t>(facts.point_type, given.points[0].type);
     facts.point_type_back = std::min<std::int64_t>(facts.point_type_back, -given.points[0].type);
   }
@@ -221,7 +221,7 @@ RecordRun ids_run(const PiecePointer& piece) {
 }
 
 RecordRun points_run(const PiecePointer& piece) {
-  const int components = piece->points.empty() ? 0 : components_of(piece->points);
+  const int components = piece->points.empty() ? 0 : mesh::components_of(piece->points);
   return {piece->vertices, nullptr,
           [piece, components](std::int64_t begin, std::int64_t end, std::byte* to) {
             for (std::int64_t i = begin; i < end; ++i)

@@ -39,6 +39,9 @@ public:
   /// The session is about to close, and messages can still be sent. Collective; throws
   /// parallel::AgreedError.
   virtual void meet_end() {}
+  /// Whether the action can be done at a step that is held, in the midst of live ones: not if it
+  /// goes on from one step to the next.
+  virtual bool serves_held_steps() const { return true; }
   /// Ends the action when the session closes. Not collective: MPI may have been finalised.
   virtual void finish() {}
   /// Returns the name by which a checkpoint knows the state of the action, in words that hold

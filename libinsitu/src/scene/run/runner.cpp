@@ -106,6 +106,63 @@ void Runner::note_cycle(std::int64_t cycle) {
   highest_cycle_ = executed_ ? std::max(highest_cycle_, cycle) : cycle;
 }
 
+void Runner::failed(std::string& failures, const std::string& of, const core::Error& error,
+                    std::int64_t cycle) {
+  const std::string what = of + ": " + error.what();
+  failures += (failures.empty() ? "" : "\n") + what;
+  report(what, of, cycle);
+}
+
+/// Says once that an action does nothing at steps that are held.
+void Runner::leave_out(const Action& action) {
+  const std::string of = std::string(action.kind()) + " '" + action.name() + "'";
+  if (environment_.world.is_root() && left_out_.insert(of).second)
+    environment_.context.log.warning(
+        of + " goes on with live steps alone, and does nothing at steps that are held");
+}
+
+/// Of a step that is held those that serve one.
+void Runner::execute_actions(const Step& step, bool is_held, std::string& failures) {
+  bool any_due = false;
+  for (const auto& action : actions_) {
+    if (is_held && !action->serves_held_steps()) {
+      leave_out(*action);
+      continue;
+    }
+    try {
+      execute(*action, step, any_due);
+    } catch (const core::Error& e) {
+      if (!is_for_want_of_cells(*action, e, step.meshes))
+        failed(failures, std::string(action->kind()) + " '" + action->name() + "'", e, step.cycle);
+    }
+  }
+  structures_.end_cycle(step.meshes);
+  if (!is_held) {
+    try {
+      environment_.world.agree_after([&] { keep_earlier(step.meshes); });
+    } catch (const core::Error& e) { // no memory: pathlines take the next velocity as steady
+      for (commit::CommittedMesh* mesh : step.meshes)
+        mesh->release_earlier();
+      failed(failures, "the earlier step", e, step.cycle);
+    }
+  }
+  try {
+    end_page_cycle(step, any_due);
+  } catch (const core::Error& e) {
+    failed(failures, "page", e, step.cycle);
+  }
+}
+
+std::string Runner::execute_held(MeshList meshes, std::int64_t cycle, double time) {
+  note_cycle(cycle);
+  for (commit::CommittedMesh* mesh : meshes)
+    if (mesh->needs_halo(environment_.world))
+      mesh->update_halo(environment_.world, environment_.context.threads, environment_.context.log);
+  std::string failures;
+  execute_actions({meshes, cycle, time, false, time}, true, failures);
+  return failures;
+}
+
 std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   const std::span<const double> times(times_);
   const Step step{meshes,
@@ -115,13 +172,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
                   times.empty() ? 0.0 : times.front(),
                   times.empty() ? times : times.subspan(1)};
   std::string failures;
-  bool any_due = false;
   parallel::World& world = environment_.world;
-  const auto failed = [&](const std::string& of, const core::Error& e) {
-    const std::string what = of + ": " + e.what();
-    failures += (failures.empty() ? "" : "\n") + what;
-    report(what, of, cycle);
-  };
   note_cycle(cycle);
   for (commit::CommittedMesh* mesh : meshes)
     for (const auto& action : actions_)
@@ -131,27 +182,7 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
     if (mesh->needs_halo(world)) // what an action has asked for, all see: none of an earlier step
       mesh->update_halo(world, environment_.context.threads, environment_.context.log);
   take_up_meshes(meshes);
-  for (const auto& action : actions_) {
-    try {
-      execute(*action, step, any_due);
-    } catch (const core::Error& e) {
-      if (!is_for_want_of_cells(*action, e, meshes))
-        failed(std::string(action->kind()) + " '" + action->name() + "'", e);
-    }
-  }
-  structures_.end_cycle(meshes);
-  try {
-    world.agree_after([&] { keep_earlier(meshes); });
-  } catch (const core::Error& e) { // no memory: pathlines take the next velocity as steady
-    for (commit::CommittedMesh* mesh : meshes)
-      mesh->release_earlier();
-    failed("the earlier step", e);
-  }
-  try {
-    end_page_cycle(step, any_due);
-  } catch (const core::Error& e) {
-    failed("page", e);
-  }
+  execute_actions(step, false, failures);
   descends_ = executed_ && cycle < cycle_;
   executed_ = true;
   cycle_ = cycle;
@@ -161,13 +192,13 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
   try {
     write_due_checkpoint(meshes);
   } catch (const core::Error& e) {
-    failed("checkpoint", e);
+    failed(failures, "checkpoint", e, cycle);
   }
   try {
     if (record_.every && cycle_ % *record_.every == 0)
-      write_record(record_path(environment_.output, cycle_), meshes);
+      write_record(record_path(environment_.output, cycle_), meshes, cycle, time);
   } catch (const core::Error& e) {
-    failed("record", e);
+    failed(failures, "record", e, cycle);
   }
   environment_.statistics.output_s += timer.seconds();
   return failures;
@@ -307,10 +338,9 @@ std::string Runner::meet_end() {
   return failures;
 }
 
-void Runner::write_record(const std::string& path, MeshList meshes) {
-  records_.write(
-      path, {cycle_, times_.empty() ? 0.0 : times_.front(), environment_.scene_file, scene_text_},
-      meshes, descends_);
+void Runner::write_record(const std::string& path, MeshList meshes, std::int64_t cycle,
+                          double time) {
+  records_.write(path, {cycle, time, environment_.scene_file, scene_text_}, meshes, descends_);
 }
 
 std::string Runner::finish() {

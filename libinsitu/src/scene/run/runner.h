@@ -32,6 +32,15 @@ public:
   /// same on all processes, holds one line each, empty if all went well.
   std::string execute(MeshList meshes, std::int64_t cycle, double time);
 
+  /// Does what is due by this cycle and time at a step that is held, whose meshes these are, but
+  /// for the actions that go on with live steps, which the root's log names once. Nothing else is
+  /// told of it: the next live step follows the last one. Otherwise as execute().
+  std::string execute_held(MeshList meshes, std::int64_t cycle, double time);
+  /// Meshes whose structures frames keep, by their ids, whichever are executed.
+  void keep_structures_of(std::vector<std::uint64_t> meshes) {
+    structures_.keep_also(std::move(meshes));
+  }
+
   /// What its items need of the meshes, which are committed, and what they do without.
   Plan plan(MeshList meshes) const;
 
@@ -44,9 +53,9 @@ public:
   /// this runner is then of no use.
   void restart(const std::string& path);
 
-  /// Writes what the last execute() committed to a file, which is the root's. The meshes are as
-  /// they were then. Throws parallel::AgreedError.
-  void write_record(const std::string& path, MeshList meshes);
+  /// Writes the meshes to a file, which is the root's, as what was committed at that cycle. Throws
+  /// parallel::AgreedError.
+  void write_record(const std::string& path, MeshList meshes, std::int64_t cycle, double time);
 
   /// Ends tracers and closes tables. Returns failures like execute().
   std::string finish();
@@ -70,6 +79,10 @@ public:
 private:
   bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
   void execute(Action& action, const Step& step, bool& any_due);
+  void execute_actions(const Step& step, bool is_held, std::string& failures);
+  void leave_out(const Action& action);
+  void failed(std::string& failures, const std::string& of, const core::Error& error,
+              std::int64_t cycle);
   bool is_for_want_of_cells(const Action& action, const core::Error& error, MeshList meshes) const;
   void keep_earlier(MeshList meshes);
   void note_tracers();
@@ -95,6 +108,7 @@ private:
   std::vector<std::unique_ptr<Action>> actions_;
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded
+  std::set<std::string> left_out_; ///< actions that were named as going on with live steps
   bool executed_ = false;
   std::int64_t cycle_ = 0;                            ///< the last one executed
   std::int64_t lowest_cycle_ = 0, highest_cycle_ = 0; ///< of this session

@@ -36,6 +36,7 @@ public:
   std::optional<advect::Counts> particles_here() const override { return particles_.counts(); }
   std::vector<mesh::KeptField> needs_earlier() const override;
 
+  bool serves_held_steps() const override { return false; }
   bool goes_on_to_other_cells() const override { return tracer_.attached != Attached::body; }
 
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override;

@@ -50,9 +50,11 @@ bool can_be_read(const mesh::PieceView& piece, std::int64_t cell) {
 
 query::SomeCells::Changed TracerCells::Versions::update(const commit::CommittedMesh& mesh) {
   using Changed = query::SomeCells::Changed;
-  const Changed changed = topology != mesh.topology_version()   ? Changed::topology
+  const bool other_cells = mesh_id != mesh.id() || topology != mesh.topology_version();
+  const Changed changed = other_cells                           ? Changed::topology
                           : geometry != mesh.geometry_version() ? Changed::geometry
                                                                 : Changed::nothing;
+  mesh_id = mesh.id();
   topology = mesh.topology_version();
   geometry = mesh.geometry_version();
   return changed;

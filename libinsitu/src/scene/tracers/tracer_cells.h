@@ -31,7 +31,7 @@ public:
 private:
   /// What is known of the mesh that some cells are of.
   struct Versions {
-    std::uint64_t topology = 0, geometry = 0;
+    std::uint64_t mesh_id = 0, topology = 0, geometry = 0;
     query::SomeCells::Changed update(const commit::CommittedMesh& mesh);
   };
 
