@@ -83,6 +83,8 @@ frames:
       give(session, step, arrays);
       check(insitu_session_execute(session, 10 * step, 0.1 * step));
     }
+    insitu_report report = insitu_report_default();
+    check(insitu_session_report(session, &report));
     check(insitu_session_close(&session));
     // By time, then by name, whatever the order here.
     const Outcome o = run("--out again live/record_000020.hdf live/record_000000.hdf "
@@ -94,7 +96,7 @@ frames:
     for (const auto& [name, bytes] : first) // records among them: they hold nothing of the run
       EXPECT_TRUE(second.count(name) && second.at(name) == bytes) << name;
     fs::remove_all(folder / "held");
-    HeldRun(*this, of_scene.empty() ? scene : of_scene).run(give);
+    HeldRun(*this, of_scene.empty() ? scene : of_scene).run(give, report.rebuilds);
   }
 
   static insitu_mesh mesh_of(insitu_session session, const char* name = "mesh") {

@@ -133,12 +133,12 @@ INSITU_API insitu_status insitu_session_record(insitu_session session, const cha
 #define INSITU_LIVE INT64_MIN
 
 /** Holds steps beside the live one: from now on each execute of the live step, once it is done,
- *  leaves a copy of what the solver gave for all meshes, with the trees that stand, and of these
- *  the last `steps` stay; the oldest goes first, and a step of a cycle that is held takes its
- *  place. Of meshes that stood still between steps only the fields are copied. 0: releases all;
- *  that is how a session begins, unless its scene says `hold: {steps: 3}`. Copies are counted as
- *  INSITU_MEMORY_HELD. A step that cannot be held, for want of memory or since a mesh lies on a
- *  device, is a failure of that execute (INSITU_ERROR_ACTION), and those held before stay.
+ *  leaves a copy of what the solver gave, with the trees that stand, and of these the last `steps`
+ *  stay. The oldest goes first; a step replaces the one of its cycle, if that is held. Of meshes
+ *  that stood still between two steps only the fields are copied. 0: releases all; that is how a
+ *  session begins, unless its scene says `hold: {steps: 3}`. Copies are INSITU_MEMORY_HELD. A step
+ *  that cannot be held, for want of memory or since a mesh lies on a device, is a failure of that
+ *  execute (INSITU_ERROR_ACTION); those before stay, but for the one whose place it was to take.
  *  INSITU_ERROR_ARGUMENT: steps is negative. INSITU_ERROR_ORDER: a held step is shown. Collective
  *  (doc/guide/held-steps.md). */
 INSITU_API insitu_status insitu_session_hold(insitu_session session, int32_t steps);
@@ -148,14 +148,14 @@ INSITU_API insitu_status insitu_session_hold(insitu_session session, int32_t ste
 INSITU_API insitu_status insitu_session_held(insitu_session session, int64_t* cycles,
                                              int32_t* count);
 
-/** Shows a held step, in no more time than its fields' pointers take: no tree is built. Until the
- *  next call all queries of the session's meshes are answered from that step, as they would have
- *  been when it was live, to the bit; insitu_session_record() writes it, and
+/** Shows a held step; no tree is built. Until the next call queries of the session's meshes are
+ *  answered from it, to the bit as when it was live; insitu_session_record() writes it, and
  *  insitu_session_execute() runs the scene's probes, streamlines and frames on it, by whatever
- *  cycle and time it is given, and neither commits nor holds anything. Tracers of particles and
- *  attached probes go on with live steps alone, and so do registrations, commits, plans and
- *  checkpoints. INSITU_LIVE shows the live step again. INSITU_ERROR_ARGUMENT: the cycle is not
- *  held; the message names those that are, and the session shows what it showed. Collective. */
+ *  cycle and time it is given, and neither commits nor holds anything. Tracers of particles,
+ *  attached probes, registrations, commits, plans and checkpoints go on with live steps alone.
+ *  INSITU_LIVE shows the live step again. INSITU_ERROR_ARGUMENT: the cycle is not held; the message
+ *  names those that are, and the session shows what it showed. INSITU_ERROR_ORDER, of a query: the
+ *  mesh was not there in that step. Collective. */
 INSITU_API insitu_status insitu_session_show(insitu_session session, int64_t cycle);
 
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the

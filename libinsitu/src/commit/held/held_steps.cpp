@@ -20,7 +20,7 @@ void HeldSteps::set_most(int steps) {
     drop(steps_.begin());
 }
 
-void HeldSteps::drop(std::deque<HeldStep>::iterator step) {
+void HeldSteps::drop(std::vector<HeldStep>::iterator step) {
   for (const HeldStep::OfMesh& m : step->meshes) {
     m.mesh->forget(*m.values);
     if (m.mesh.use_count() > 1)
@@ -41,9 +41,10 @@ void HeldSteps::hold(std::int64_t cycle, double time, std::span<CommittedMesh* c
   world.agree_after([&] {
     known.resize(meshes.size());
     step.meshes.resize(meshes.size());
+    steps_.reserve(steps_.size() + 1);
     for (std::size_t m = 0; m < meshes.size(); ++m)
-      for (const HeldStep& step : steps_)
-        for (const HeldStep::OfMesh& held : step.meshes)
+      for (const HeldStep& before : steps_)
+        for (const HeldStep::OfMesh& held : before.meshes)
           if (held.mesh->is_of(*meshes[m]))
             known[m] = held.mesh;
     for (const auto& mesh : known)
@@ -54,7 +55,7 @@ void HeldSteps::hold(std::int64_t cycle, double time, std::span<CommittedMesh* c
     if (lacks[m])
       known[m].reset();
   const auto same =
-      std::ranges::find_if(steps_, [&](const HeldStep& step) { return step.cycle == cycle; });
+      std::ranges::find_if(steps_, [&](const HeldStep& s) { return s.cycle == cycle; });
   if (same != steps_.end())
     drop(same);
   while (int(steps_.size()) >= most_)
@@ -75,7 +76,7 @@ void HeldSteps::hold(std::int64_t cycle, double time, std::span<CommittedMesh* c
     if (is_new)
       held.mesh->meet(world, threads);
   }
-  world.agree_after([&] { steps_.push_back(std::move(step)); });
+  steps_.push_back(std::move(step)); // for which there is room
 }
 
 std::vector<std::int64_t> HeldSteps::cycles() const {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <span>
 #include <vector>
@@ -44,7 +43,7 @@ public:
 
   /// Of the steps held, the oldest first.
   std::vector<std::int64_t> cycles() const;
-  /// The step of that cycle; valid until one is dropped. Throws core::Error
+  /// The step of that cycle; valid until one is held or dropped. Throws core::Error
   /// (INSITU_ERROR_ARGUMENT) if it is not held.
   const HeldStep& find(std::int64_t cycle) const;
   /// Puts the values of a step into its meshes, which then are as that step's were.
@@ -58,11 +57,11 @@ public:
   std::array<std::int64_t, query::reason_count> located() const;
 
 private:
-  void drop(std::deque<HeldStep>::iterator step);
+  void drop(std::vector<HeldStep>::iterator step);
 
   core::Memory* memory_;
   int most_ = 0;
-  std::deque<HeldStep> steps_;
+  std::vector<HeldStep> steps_;
   std::int64_t builds_ = 0;
   std::array<std::int64_t, query::reason_count> gone_{}; ///< located in meshes that are gone
 };

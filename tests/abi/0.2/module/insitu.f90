@@ -71,7 +71,7 @@ module insitu
       insitu_memory_query, insitu_memory_tracer, insitu_memory_frame, insitu_memory_converted, &
       insitu_memory_embree, insitu_memory_device, insitu_memory_amr, insitu_memory_gathered, &
       insitu_memory_geocentric, insitu_memory_chart, insitu_memory_neighbours, insitu_memory_blank, &
-      insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, &
+      insitu_memory_halo, insitu_memory_polyhedra, insitu_memory_flat, insitu_memory_held, &
       insitu_commit_report, insitu_validation, insitu_report, insitu_amr_info, &
       insitu_status_name, insitu_version
 
@@ -140,6 +140,12 @@ module insitu
     procedure :: checkpoint => session_checkpoint
     procedure :: restart => session_restart
     procedure :: record => session_record
+    procedure :: hold => session_hold
+    procedure :: held => session_held
+    procedure :: show_int32
+    procedure :: show_int64
+    generic :: show => show_int32, show_int64
+    procedure :: show_live
     procedure :: write_summary
     procedure :: message
   end type insitu_session

@@ -110,7 +110,7 @@ module insitu_c
       insitu_memory_device = 10, insitu_memory_amr = 11, insitu_memory_gathered = 12, &
       insitu_memory_geocentric = 13, insitu_memory_chart = 14, insitu_memory_neighbours = 15, &
       insitu_memory_blank = 16, insitu_memory_halo = 17, insitu_memory_polyhedra = 18, &
-      insitu_memory_flat = 19, insitu_memory_count = 19
+      insitu_memory_flat = 19, insitu_memory_held = 20, insitu_memory_count = 20
 
   ! The room of the lists in insitu_report
   integer, parameter :: &

@@ -157,6 +157,23 @@ public:
     detail::check(insitu_session_record(session_, path.c_str()));
   }
 
+  /** Holds the last `steps` executed steps from now on, with copies of their arrays and their
+   *  trees; 0: none. See insitu_session_hold(). */
+  void hold(int steps) { detail::check(insitu_session_hold(session_, steps)); }
+  /** Returns the cycles that are held, the oldest first. */
+  std::vector<std::int64_t> held() const {
+    std::int32_t count = 0;
+    detail::check(insitu_session_held(session_, nullptr, &count));
+    std::vector<std::int64_t> cycles(static_cast<std::size_t>(count));
+    detail::check(insitu_session_held(session_, cycles.data(), &count));
+    return cycles;
+  }
+  /** Has queries, records and executes answer from a held step, until the next call; see
+   *  insitu_session_show(). */
+  void show(std::int64_t cycle) { detail::check(insitu_session_show(session_, cycle)); }
+  /** Shows the live step again. */
+  void show_live() { show(INSITU_LIVE); }
+
   /** Returns totals since the session was opened. */
   Report report() const {
     Report r = insitu_report_default();

@@ -61,7 +61,9 @@ typedef enum insitu_purpose INSITU_INT {
                                       and fields */
   INSITU_MEMORY_FLAT = 18,       /**< the flat cells of a flat mesh as volume cells, with their
                                       vertices and fields */
-  INSITU_MEMORY_COUNT = 19
+  INSITU_MEMORY_HELD = 19,       /**< copies of the solver's arrays, of steps that are held; their
+                                      trees count as trees */
+  INSITU_MEMORY_COUNT = 20
 } insitu_purpose;
 
 /** The room of the lists in insitu_report, of which later versions of the library use more. */

@@ -129,6 +129,35 @@ INSITU_API insitu_status insitu_session_restart(insitu_session session, const ch
  *  device. Collective: all processes give the same path, and the root writes the one file. */
 INSITU_API insitu_status insitu_session_record(insitu_session session, const char* path);
 
+/** The cycle that insitu_session_show() takes for the live step, and no execute's cycle. */
+#define INSITU_LIVE INT64_MIN
+
+/** Holds steps beside the live one: from now on each execute of the live step, once it is done,
+ *  leaves a copy of what the solver gave, with the trees that stand, and of these the last `steps`
+ *  stay. The oldest goes first; a step replaces the one of its cycle, if that is held. Of meshes
+ *  that stood still between two steps only the fields are copied. 0: releases all; that is how a
+ *  session begins, unless its scene says `hold: {steps: 3}`. Copies are INSITU_MEMORY_HELD. A step
+ *  that cannot be held, for want of memory or since a mesh lies on a device, is a failure of that
+ *  execute (INSITU_ERROR_ACTION); those before stay, but for the one whose place it was to take.
+ *  INSITU_ERROR_ARGUMENT: steps is negative. INSITU_ERROR_ORDER: a held step is shown. Collective
+ *  (doc/guide/held-steps.md). */
+INSITU_API insitu_status insitu_session_hold(insitu_session session, int32_t steps);
+
+/** Writes the cycles that are held, the oldest first, at most *count of them, and their number to
+ *  *count; cycles null: the number alone. */
+INSITU_API insitu_status insitu_session_held(insitu_session session, int64_t* cycles,
+                                             int32_t* count);
+
+/** Shows a held step; no tree is built. Until the next call queries of the session's meshes are
+ *  answered from it, to the bit as when it was live; insitu_session_record() writes it, and
+ *  insitu_session_execute() runs the scene's probes, streamlines and frames on it, by whatever
+ *  cycle and time it is given, and neither commits nor holds anything. Tracers of particles,
+ *  attached probes, registrations, commits, plans and checkpoints go on with live steps alone.
+ *  INSITU_LIVE shows the live step again. INSITU_ERROR_ARGUMENT: the cycle is not held; the message
+ *  names those that are, and the session shows what it showed. INSITU_ERROR_ORDER, of a query: the
+ *  mesh was not there in that step. Collective. */
+INSITU_API insitu_status insitu_session_show(insitu_session session, int64_t cycle);
+
 /** Commits every mesh, then writes a text that tells, a line each, what the scene needs of the
  *  meshes, with bytes, and what it does without, and why. Nothing of the plan is carried out. *text
  *  is the library's and stays valid until the session's next plan or its close; it is "" without a
