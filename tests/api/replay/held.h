@@ -92,7 +92,8 @@ private:
   void compare_rows() const {
     int tables = 0;
     for (const auto& [name, text] : files_of(in_.folder / "held"))
-      if (text.substr(0, 11) == "cycle,time," && text.find(",ending") == std::string::npos) {
+      if (text.substr(0, 11) == "cycle,time," && text.find(",ending") == std::string::npos &&
+          name != "data.csv") { // which names files
         SCOPED_TRACE(name);
         compare_rows(text);
         ++tables;

@@ -142,6 +142,8 @@ TEST(ProcessAdaptive, HeldSteps) {
   for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
     std::map<std::string, std::string> expected;
     for (const auto& [processes, kind] : {std::pair(1, 0), std::pair(2, 0), std::pair(3, 2)}) {
+      if (processes == 3 && how == INSITU_NEAREST)
+        continue; // as in expect_one()
       const OwnFolder folder;
       const std::string out = folder / "out";
       const Deal deal = deal_of(kind, processes);

@@ -121,8 +121,7 @@ TEST(ProcessHeld, MeshesInLongitudeAndLatitude) {
   options.frame = fixtures::frame_of(globe.units);
   options.scene =
       "insitu: 1\npage: false\nhold: {steps: 2}\n"
-      "frames: [{name: map, size: [32, 24], slices: [{normal: [0, 0, 1], origin: [0, 0, "
-      "-1], field: p}]}]\n"
+      "frames: [{name: map, size: [32, 24], isosurfaces: [{field: p, values: [0.3]}]}]\n"
       "probes: [{name: seam, points: {box: {min: [-180, -90, -3.9], max: [180, 90, 0], "
       "counts: [13, 7, 2]}}, fields: [p, c]}]\n";
   std::map<std::string, std::string> expected;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "mesh/registered/dense_items.h"
 #include "scene/record/record_text.h"
 
 namespace insitu::scene {
