@@ -15,6 +15,7 @@
 #include "render/processes/whole_facts.h"
 #include "render/structures/structures.h"
 #include "scaling/layout.h"
+#include "scaling/leaves.h"
 #include "scene/tracers/mesh_homes.h"
 
 namespace insitu::bench::scaling {
@@ -52,6 +53,7 @@ public:
     locate(std::int64_t(points));
     tracers(std::int64_t(points / 4));
     frames();
+    adaptive();
     return std::move(rows_);
   }
 
@@ -270,6 +272,43 @@ private:
             (void)render::render_shared_frame(part, sampler, settings, *structures,
                                               context_.threads);
         });
+  }
+
+  /// An octree, its dual and the leaves around this process's.
+  void adaptive() {
+    const LeafLayout layout(world_.size(), weak_ ? o_.cells[0] / 8 : o_.cells[0], weak_);
+    const LeafCosts costs = cost_of_leaves(layout);
+    const PartLeaves leaves = make_leaves(layout, world_.rank());
+    const std::int64_t count = std::int64_t(leaves.levels.size());
+    insitu_amr amr = insitu_amr_default();
+    std::ranges::fill(amr.spacing, layout.coarse.width);
+    amr.level_count = 2;
+    insitu_leaves given = insitu_leaves_default();
+    given.levels = insitu_array_of(leaves.levels.data(), INSITU_INT32, count, 1);
+    given.corners = insitu_array_of(leaves.corners.data(), INSITU_INT32, count, 3);
+    const insitu_array values = insitu_array_of(leaves.values.data(), INSITU_FLOAT64, count, 1);
+    const auto commit_all = [&] {
+      commit();
+      meet_others();
+    };
+    Row& found = measure(
+        "adaptive: new leaves", costs.found,
+        [&] {
+          mesh_ = std::make_unique<commit::CommittedMesh>("bench", context_.memory);
+          mesh::Mesh& to = mesh_->mesh();
+          to.set_is_part(!alone());
+          to.set_amr(&amr);
+          to.set_leaves(0, &given);
+          to.set_field(0, "f", INSITU_CELL, &values, 1);
+        },
+        commit_all);
+    std::int64_t halo = mesh_->halo() ? mesh_->halo()->cell_count() : 0;
+    world_.reduce(std::span(&halo, 1), Reduction::sum);
+    found.halo_cells = double(halo);
+    found.halo_cells_by_model = costs.halo_leaves;
+    measure(
+        "adaptive: new values", costs.refreshed,
+        [&] { mesh_->mesh().set_changed(INSITU_CHANGED_FIELDS); }, commit_all);
   }
 
   parallel::World& world_;
