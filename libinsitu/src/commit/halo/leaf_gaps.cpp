@@ -27,23 +27,11 @@ void LeafSearch::find_gaps() {
   world_.agree_after([&] {
     std::vector<std::vector<ToldLeaf>> to(std::size_t(world_.size()));
     const auto may_have = [&](int rank, const mesh::Box& box) {
-      return rank != world_.rank() &&
-             std::ranges::any_of(directory_.boxes(rank),
+      return std::ranges::any_of(directory_.boxes(rank),
                                  [&](const mesh::Box& b) { return mesh::meet(box, b); });
     };
-    std::vector<int> ranks;
-    for (std::int64_t flat = 0; flat < view_.cell_count(); ++flat) {
-      const AmrCell cell = amr::cell_at(view_, flat);
-      if (own_.at(cell.depth, cell.index) != std::uint32_t(flat))
-        continue;
-      mesh::Box around = box_of(cell);
-      const math::Vec3d size = around.size();
-      around = {around.low - 2.0 * size, around.high + 2.0 * size};
-      ranks.clear();
-      for (int r = 0; r < world_.size(); ++r)
-        if (may_have(r, around))
-          ranks.push_back(r);
-      for (int face = 0; face < 6 && !ranks.empty(); ++face) {
+    for_leaves_beside(2.0, [&](std::int64_t flat, const AmrCell& cell, std::span<const int> ranks) {
+      for (int face = 0; face < 6; ++face) {
         const int axis = face >> 1, step = face & 1 ? 1 : -1;
         AmrCell beyond = cell;
         beyond.index[axis] += step;
@@ -56,7 +44,7 @@ void LeafSearch::find_gaps() {
           if (may_have(r, box_of(beyond)))
             to[std::size_t(r)].push_back(asked);
       }
-    }
+    });
     parcels = parallel::parcels_of(to);
   });
   parcels = world_.exchange(parcels);

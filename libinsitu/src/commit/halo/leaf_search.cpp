@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <set>
 #include <string>
 
 #include "amr/values/leaf_gradient.h"
@@ -194,10 +193,10 @@ void LeafSearch::gather_boxes() {
   std::vector<mesh::Box> boxes;
   world_.agree_after([&] {
     const std::int64_t n = view_.cell_count();
-    const std::int64_t run = std::max<std::int64_t>(
-        1, (n + query::Directory::most_boxes - 1) / std::int64_t(query::Directory::most_boxes));
-    for (std::int64_t begin = 0; begin < n; begin += run)
-      amr::for_runs(view_, begin, std::min(begin + run, n),
+    constexpr auto most = std::int64_t(query::Directory::most_boxes);
+    run_ = std::max<std::int64_t>(1, (n + most - 1) / most);
+    for (std::int64_t begin = 0; begin < n; begin += run_)
+      amr::for_runs(view_, begin, std::min(begin + run_, n),
                     [&, first = true](int depth, const std::int64_t* index, std::int64_t count,
                                       std::int64_t) mutable {
                       mesh::Box box = box_of({depth, {index[0], index[1], index[2]}});
@@ -283,20 +282,10 @@ void LeafSearch::find_near() {
   std::vector<Parcel> parcels;
   world_.agree_after([&] {
     std::vector<std::vector<ToldLeaf>> to(std::size_t(world_.size()));
-    std::vector<int> beside;
-    for (int r = 0; r < world_.size(); ++r)
-      if (r != world_.rank() && directory_.may_touch(world_.rank(), r))
-        beside.push_back(r);
-    for (std::int64_t flat = 0; !beside.empty() && flat < view_.cell_count(); ++flat) {
-      const AmrCell cell = amr::cell_at(view_, flat);
-      if (own_.at(cell.depth, cell.index) != std::uint32_t(flat))
-        continue;
-      const mesh::Box box = box_of(cell);
-      for (const int r : beside)
-        if (std::ranges::any_of(directory_.boxes(r),
-                                [&](const mesh::Box& b) { return mesh::meet(box, b); }))
-          to[std::size_t(r)].push_back(told(flat));
-    }
+    for_leaves_beside(0.0, [&](std::int64_t flat, const AmrCell&, std::span<const int> ranks) {
+      for (const int r : ranks)
+        to[std::size_t(r)].push_back(told(flat));
+    });
     parcels = parallel::parcels_of(to);
   });
   parcels = world_.exchange(parcels);
@@ -328,9 +317,15 @@ void LeafSearch::add_layer(std::vector<ToldLeaf>& frontier) {
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {
     for (Parcel& parcel : parcels) {
-      std::set<std::uint32_t> touching;
+      std::vector<std::uint32_t> touching;
+      std::vector<bool> is_there(std::size_t(view_.cell_count()) + near.size());
       for (const ToldLeaf& leaf : parallel::items_of<ToldLeaf>(parcel.bytes))
-        for_touching(around_.store(), leaf.cell(), [&](std::uint32_t id) { touching.insert(id); });
+        for_touching(around_.store(), leaf.cell(), [&](std::uint32_t id) {
+          if (!is_there[id])
+            touching.push_back(id);
+          is_there[id] = true;
+        });
+      std::ranges::sort(touching);
       std::vector<ToldLeaf> answers;
       for (const std::uint32_t id : touching) {
         const std::int64_t n = std::int64_t(id) - view_.cell_count();

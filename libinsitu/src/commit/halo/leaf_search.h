@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "amr/leaves/leaf_map.h"
@@ -74,6 +76,10 @@ private:
   void find_near();
   void find_gaps();
   void add_layer(std::vector<ToldLeaf>& frontier);
+  /// Calls f(flat, cell, ranks) for each own leaf whose box, larger on all sides by so many times
+  /// its size, meets boxes of these processes.
+  template <class F>
+  void for_leaves_beside(double sizes, F&& f) const;
   mesh::Box box_of(const mesh::AmrCell& cell) const;
   ToldLeaf told(std::int64_t flat) const;
   void require_apart(const ToldLeaf& other) const;
@@ -85,8 +91,52 @@ private:
   const core::Threads& threads_;
   mesh::AmrView view_;         ///< of the own pieces
   std::int64_t no_cells_ = 0;  ///< first_cell of a mesh that is not adaptive
+  std::int64_t run_ = 1;       ///< of this many cells each is a box of this process
   query::Directory directory_; ///< of leaves
   amr::LeafMap own_, around_;  ///< of the own leaves; with those that touch them
 };
+
+template <class F>
+void LeafSearch::for_leaves_beside(double sizes, F&& f) const {
+  struct Beside {
+    int rank;
+    mesh::Box all; ///< of the boxes
+    std::vector<mesh::Box> boxes;
+  };
+  const auto larger = [](const mesh::Box& box, const math::Vec3d& by) {
+    return mesh::Box{box.low - by, box.high + by};
+  };
+  const math::Vec3d coarsest = sizes * box_of({0, {0, 0, 0}}).size();
+  std::vector<Beside> beside; // of a run's leaves
+  std::vector<int> ranks;
+  for (std::int64_t flat = 0; flat < view_.cell_count(); ++flat) {
+    if (flat % run_ == 0) {
+      const mesh::Box run =
+          larger(directory_.boxes(world_.rank())[std::size_t(flat / run_)], coarsest);
+      beside.clear();
+      for (int r = 0; r < world_.size(); ++r)
+        for (const mesh::Box& box : directory_.boxes(r)) {
+          if (r == world_.rank() || !mesh::meet(run, box))
+            continue;
+          if (beside.empty() || beside.back().rank != r)
+            beside.push_back({r, box, {}});
+          beside.back().all.extend(box);
+          beside.back().boxes.push_back(box);
+        }
+    }
+    if (beside.empty())
+      continue;
+    const mesh::AmrCell cell = amr::cell_at(view_, flat);
+    const mesh::Box own = box_of(cell), box = larger(own, sizes * own.size());
+    ranks.clear();
+    for (const Beside& b : beside)
+      if (mesh::meet(box, b.all) && std::ranges::any_of(b.boxes, [&](const mesh::Box& other) {
+            return mesh::meet(box, other);
+          }))
+        ranks.push_back(b.rank);
+    if (!ranks.empty() && own_.at(cell.depth, cell.index) == std::uint32_t(flat))
+      f(flat, cell, std::span<const int>(ranks));
+  }
+}
 
 } // namespace insitu::commit
