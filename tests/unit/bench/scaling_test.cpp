@@ -37,8 +37,8 @@ TEST(BenchScaling, BytesAreThoseOfTheModel) {
     EXPECT_GE(number(row, "imbalance"), 0.999) << row;
     at = next;
   }
-  EXPECT_EQ(rows, 2 * 2 * 9); // processes, strong and weak, pieces of work
-  EXPECT_EQ(halos, 2);
+  EXPECT_EQ(rows, 2 * 2 * 11); // processes, strong and weak, pieces of work
+  EXPECT_EQ(halos, 4);         // cells and leaves, strong and weak
 }
 
 } // namespace

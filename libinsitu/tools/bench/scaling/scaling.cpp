@@ -146,9 +146,10 @@ Output scaling_command(const Options& options) {
       table(rows, "strong") + table(rows, "weak");
   for (const Json& row : rows)
     if (row.contains("halo_cells"))
-      text += format("halo cells, %s, %d processes: %.0f, by the model %.0f\n",
-                     row["mode"].get<std::string>().c_str(), row["processes"].get<int>(),
-                     row["halo_cells"].get<double>(), row["halo_cells_model"].get<double>());
+      text += format("halo cells, %s, %s, %d processes: %.0f, by the model %.0f\n",
+                     row["name"].get<std::string>().c_str(), row["mode"].get<std::string>().c_str(),
+                     row["processes"].get<int>(), row["halo_cells"].get<double>(),
+                     row["halo_cells_model"].get<double>());
   return {text, json_text({{"rows", rows}}), 0};
 }
 
