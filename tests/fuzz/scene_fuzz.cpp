@@ -56,6 +56,22 @@ void check_name(const std::string& name) {
   require(!name.empty() && name[0] != '.' && name.find('/') == std::string::npos, "names of files");
 }
 
+void check_layer(const scene::Frame& frame, const scene::FrameLayer& layer) {
+  require(layer.volume || !layer.isosurfaces.empty() || layer.boundary ||
+              (frame.layers.size() == 1 && (!frame.bodies.empty() || frame.outline)),
+          "something to draw");
+  if (layer.volume) {
+    require(!layer.volume->field.empty(), "a volume's field");
+    const auto& range = layer.volume->colors.range;
+    require(!range || range->low < range->high, "range");
+    require(!range || layer.volume->colors.scale != render::Scale::log || range->low > 0,
+            "a logarithmic range above 0");
+  }
+  for (const scene::Isosurface& surface : layer.isosurfaces) {
+    require(!surface.field.empty() && !surface.values.empty(), "an isosurface's field and values");
+  }
+}
+
 void check(const scene::SceneDescription& described) {
   require(!described.output.empty(), "an output folder");
   check_trigger(described.trigger);
@@ -78,9 +94,10 @@ void check(const scene::SceneDescription& described) {
     for (const int side : frame.size) {
       require(side >= 1 && side <= 16384, "size of frames");
     }
-    require(frame.volume || !frame.isosurfaces.empty() || frame.boundary || !frame.bodies.empty() ||
-                frame.outline,
-            "something to draw");
+    require(!frame.layers.empty(), "a mesh");
+    for (const scene::FrameLayer& layer : frame.layers) {
+      check_layer(frame, layer);
+    }
     require(frame.camera.fov > 0 && frame.camera.fov < 180 && frame.camera.zoom > 0, "camera");
     require(!frame.images.empty() && !frame.formats.empty(), "images and their formats");
     require(frame.background_alpha >= 0 && frame.background_alpha <= 1, "background");
@@ -89,17 +106,6 @@ void check(const scene::SceneDescription& described) {
       for (std::size_t i = 1; i < camera.camera.path.size(); ++i) {
         require(camera.camera.path[i].at > camera.camera.path[i - 1].at, "a path that ascends");
       }
-    }
-    if (frame.volume) {
-      require(!frame.volume->field.empty(), "a volume's field");
-      const auto& range = frame.volume->colors.range;
-      require(!range || range->low < range->high, "range");
-      require(!range || frame.volume->colors.scale != render::Scale::log || range->low > 0,
-              "a logarithmic range above 0");
-    }
-    for (const scene::Isosurface& surface : frame.isosurfaces) {
-      require(!surface.field.empty() && !surface.values.empty(),
-              "an isosurface's field and values");
     }
   }
 }

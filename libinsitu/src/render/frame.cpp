@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <mutex>
+#include <string>
 
+#include "core/status.h"
 #include "core/timer.h"
 #include "render/path/path_tracer.h"
 #include "render/pixel_average.h"
-#include "render/surface/surfaces.h"
+#include "render/surface/surfaces_together.h"
+#include "render/volume/volumes_together.h"
 
 namespace insitu::render {
 
@@ -24,45 +28,48 @@ struct Counters {
   std::int64_t hits = 0, clipped = 0;
 };
 
+bool has_surfaces(const FrameSettings& settings) {
+  return !settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
+         settings.outline;
+}
+
 class FrameRenderer {
 public:
-  FrameRenderer(const query::Sampler& sampler, const FrameSettings& settings,
-                Structures& structures, const core::Threads& threads)
-      : settings_(settings), rays_(settings.camera, settings.width, settings.height) {
-    if (sampler.tree().empty())
-      return;
-    if (settings.volume && settings.path_tracing) {
-      PathTracingSettings tracing = *settings.path_tracing;
-      tracing.depth = settings.depth || settings.cell;
-      if (settings.samples_per_pixel > 1)
-        tracing.sums = nullptr; // the whole samples are added up
-      const VolumeSettings& volume = *settings.volume;
-      if (volume.culling == Culling::always)
-        culled_ = structures.culled(volume.field, volume.function);
-      paths_.emplace(culled_ ? sampler.among(*culled_) : sampler, volume, tracing, settings.camera,
-                     settings.lighting.lights, settings.clips, structures, threads);
-    } else if (settings.volume) {
-      const VolumeStructures needed = volume_structures(
-          sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
-      volume_.emplace(sampler, *settings.volume, needed, settings.lighting,
-                      !settings.clips.empty());
-      culled_ = needed.culled;
+  FrameRenderer(std::span<const FrameLayer> layers, const core::Threads& threads)
+      : settings_(layers[0].settings), rays_(settings_.camera, settings_.width, settings_.height) {
+    // Of several meshes a volume casts its shadow on the surfaces of others too.
+    const bool shadows_others =
+        settings_.lighting.volume_shadows && std::any_of(layers.begin(), layers.end(), [](auto& l) {
+          return has_surfaces(l.settings) && !l.sampler.tree().empty();
+        });
+    for (const FrameLayer& layer : layers)
+      if (!layer.sampler.tree().empty())
+        add(layer, shadows_others, threads);
+    for (std::size_t i = 0; i < surfaces_.size() && surfaces_.size() > 1; ++i) {
+      std::vector<const Surfaces*> others = surfaces_;
+      others.erase(others.begin() + std::ptrdiff_t(i));
+      drawn_surfaces_[i].join(std::int32_t(i), std::move(others));
     }
-    if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
-        settings.outline)
-      surfaces_.emplace(sampler, settings, structures);
-    if (surfaces_ && settings.lighting.volume_shadows) {
+    if (!surfaces_.empty() && settings_.lighting.volume_shadows) {
       if (paths_)
-        paths_->set_surfaces(&*surfaces_);
-      if (volume_)
-        volume_->set_surfaces(&*surfaces_);
+        paths_->set_surfaces(surfaces_[0]);
+      for (VolumeMarcher& volume : marchers_)
+        volume.set_surfaces(surfaces_[0]); // which knows the others
     }
   }
 
-  double step() const { return volume_ ? volume_->step() : 0.0; }
-  std::int64_t unheld() const { return volume_ ? volume_->unheld() : 0; }
-  /// Or null.
-  const query::CulledCells* culled() const { return culled_; }
+  /// What is known of the volumes before rays are followed.
+  void add_to(FrameStatistics& statistics) const {
+    for (const VolumeMarcher* volume : volumes_) {
+      statistics.step =
+          volume == volumes_[0] ? volume->step() : std::min(statistics.step, volume->step());
+      statistics.unheld += volume->unheld();
+    }
+    for (const query::CulledCells* culled : culled_) {
+      statistics.primitives += culled->primitives();
+      statistics.culled += culled->culled();
+    }
+  }
 
   /// Draws from now on this sample of each pixel of a frame that has several.
   void set_sample(const PixelAverage::Sample& sample) {
@@ -75,31 +82,69 @@ public:
   }
 
   /// The side of what draw() takes at once.
-  int side() const { return tiled() ? IsosurfaceTile::side : part(); }
+  int side() const { return is_tiled() ? IsosurfaceTile::side : part(); }
 
   void draw(int x0, int y0, FrameImages& images, Counters& counters) const {
-    if (!tiled())
-      return draw_tile(x0, y0, nullptr, images, counters);
-    thread_local IsosurfaceTile tile;
+    thread_local std::deque<IsosurfaceTile> kept; // these two for the thread's life
+    thread_local std::vector<IsosurfaceTile*> tiles;
+    tiles.assign(surfaces_.size(), nullptr);
+    if (!is_tiled())
+      return draw_tile(x0, y0, tiles, images, counters);
     const int x1 = std::min(x0 + IsosurfaceTile::side, settings_.width);
     const int y1 = std::min(y0 + IsosurfaceTile::side, settings_.height);
     SurfaceCounts counts;
-    tile.trace(*tiled(), rays_, settings_.clips, x0, y0, x1, y1, counts);
+    while (kept.size() < surfaces_.size())
+      kept.emplace_back();
+    for (std::size_t i = 0; i < surfaces_.size(); ++i)
+      if (const IsosurfaceTracer* tiled = surfaces_[i]->tiled()) {
+        tiles[i] = &kept[i];
+        tiles[i]->trace(*tiled, rays_, settings_.clips, x0, y0, x1, y1, counts);
+      }
     {
       const std::lock_guard lock(counters.mutex);
       counters.surfaces += counts;
     }
     for (int y = y0; y < y1; y += part())
       for (int x = x0; x < x1; x += part())
-        draw_tile(x, y, &tile, images, counters);
+        draw_tile(x, y, tiles, images, counters);
   }
 
 private:
-  /// The side of what draw_tile() takes; volumes share cells between more rays.
-  int part() const { return volume_ ? volume_tile_side : tile_side; }
-  const IsosurfaceTracer* tiled() const { return surfaces_ ? surfaces_->tiled() : nullptr; }
+  void add(const FrameLayer& layer, bool shadows_others, const core::Threads& threads) {
+    const auto& [sampler, settings, structures] = layer;
+    const query::CulledCells* culled = nullptr;
+    if (settings.volume && settings.path_tracing) {
+      PathTracingSettings tracing = *settings.path_tracing;
+      tracing.depth = settings.depth || settings.cell;
+      if (settings.samples_per_pixel > 1)
+        tracing.sums = nullptr; // the whole samples are added up
+      const VolumeSettings& volume = *settings.volume;
+      if (volume.culling == Culling::always)
+        culled = structures.culled(volume.field, volume.function);
+      paths_.emplace(culled ? sampler.among(*culled) : sampler, volume, tracing, settings.camera,
+                     settings.lighting.lights, settings.clips, structures, threads);
+    } else if (settings.volume) {
+      const VolumeStructures needed = volume_structures(
+          sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
+      volumes_.push_back(&marchers_.emplace_back(sampler, *settings.volume, needed,
+                                                 settings.lighting, !settings.clips.empty()));
+      culled = needed.culled;
+    }
+    if (culled)
+      culled_.push_back(culled);
+    if (has_surfaces(settings) || (settings.volume && shadows_others))
+      surfaces_.push_back(&drawn_surfaces_.emplace_back(sampler, settings, structures));
+  }
 
-  void draw_tile(int x0, int y0, IsosurfaceTile* tile, FrameImages& images,
+  /// The side of what draw_tile() takes; volumes share cells between more rays, and of several
+  /// each ray's stretches are kept.
+  int part() const { return volumes_.size() == 1 ? volume_tile_side : tile_side; }
+  bool is_tiled() const {
+    return std::any_of(surfaces_.begin(), surfaces_.end(),
+                       [](const Surfaces* of) { return of->tiled(); });
+  }
+
+  void draw_tile(int x0, int y0, std::span<IsosurfaceTile* const> tiles, FrameImages& images,
                  Counters& counters) const {
     thread_local std::vector<RayState> states;
     const int x1 = std::min(x0 + part(), settings_.width);
@@ -122,18 +167,23 @@ private:
               state.stays.size() != 1 || state.stays[0].from > 0 || state.stays[0].to < HUGE_VAL;
         }
       }
-    if (surfaces_)
-      surfaces_->trace(std::span(states.data(), count), tile, surface_counts);
-    for (RayState& state : std::span(states.data(), count)) {
+    const std::span<RayState> rays(states.data(), count);
+    if (surfaces_.size() == 1)
+      surfaces_[0]->trace(rays, tiles[0], surface_counts);
+    else if (!surfaces_.empty())
+      trace_together(surfaces_, rays, tiles, surface_counts);
+    for (RayState& state : rays) {
       hits += std::int64_t(state.hits.size());
-      if (volume_)
-        volume_->start(state);
+      if (volumes_.size() == 1)
+        volumes_[0]->start(state);
     }
     if (paths_)
-      trace_paths(std::span(states.data(), count), counters);
+      trace_paths(rays, counters);
     VolumeCounts volume_counts;
-    if (volume_)
-      volume_counts = volume_->march(std::span(states.data(), count), x1 - x0);
+    if (volumes_.size() == 1)
+      volume_counts = volumes_[0]->march(rays, x1 - x0);
+    else if (!volumes_.empty())
+      volume_counts = march_together(volumes_, rays, x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -171,61 +221,36 @@ private:
   const FrameSettings& settings_;
   RayGenerator rays_;
   std::uint64_t sample_ = 0; ///< of each pixel
-  std::optional<VolumeMarcher> volume_;
   std::optional<PathTracer> paths_;
-  std::optional<Surfaces> surfaces_;
-  const query::CulledCells* culled_ = nullptr;
+  // By mesh, as far as it has them.
+  std::deque<VolumeMarcher> marchers_;
+  std::vector<const VolumeMarcher*> volumes_; ///< these
+  std::deque<Surfaces> drawn_surfaces_;
+  std::vector<const Surfaces*> surfaces_; ///< these
+  std::vector<const query::CulledCells*> culled_;
 };
 
-} // namespace
-
-FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
-                         const core::Threads& threads, core::Memory& memory,
-                         FrameStatistics* statistics) {
-  Structures structures(memory);
-  structures.begin(sampler, 0, 0, threads);
-  return render_frame(sampler, settings, structures, threads, statistics);
+void check_layers(std::span<const FrameLayer> layers) {
+  for (const FrameLayer& layer : layers)
+    if (layers.size() > 1 && (layer.settings.path_tracing || layer.settings.cell))
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        std::string(layer.settings.cell ? "images of cells" : "path tracing") +
+                            " of several meshes in one frame are not there yet");
 }
 
-void put_over_background(core::Image& partial, const FrameSettings& settings,
-                         const core::Threads& threads) {
-  threads.parallel_for(partial.height, tile_side, [&](std::int64_t begin, std::int64_t end) {
-    for (int y = int(begin); y < int(end); ++y)
-      for (int x = 0; x < partial.width; ++x) {
-        float* const pixel = partial.pixel(x, y);
-        Color color{pixel[0], pixel[1], pixel[2]};
-        float& alpha = pixel[3];
-        blend_behind(color, alpha, settings.background, settings.background_alpha);
-        const float scale = alpha > 0 ? 1.0f / alpha : 0.0f;
-        pixel[0] = scale * color.r;
-        pixel[1] = scale * color.g;
-        pixel[2] = scale * color.b;
-      }
-  });
-}
-
-FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
-                         Structures& structures, const core::Threads& threads,
-                         FrameStatistics* statistics) {
-  const core::Timer timer;
-  FrameImages images = render_partial_frame(sampler, settings, structures, threads, statistics);
-  put_over_background(images.color, settings, threads);
-  if (statistics)
-    statistics->seconds = timer.seconds();
-  return images;
-}
-
-FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSettings& settings,
-                                 Structures& structures, const core::Threads& threads,
-                                 FrameStatistics* statistics) {
+/// The image without the background; its color is times alpha.
+FrameImages draw_layers(std::span<const FrameLayer> layers, const core::Threads& threads,
+                        FrameStatistics* statistics) {
+  check_layers(layers);
+  const FrameSettings& settings = layers[0].settings;
   const core::Timer timer;
   PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
   if (sums)
     sums->begin(settings.width, settings.height);
   const PixelAverage average(settings);
-  FrameRenderer renderer(sampler, settings, structures, threads);
+  FrameRenderer renderer(layers, threads);
   const double prepared = timer.seconds();
-  const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
+  const core::CountedAllocator<float> counted(layers[0].structures.memory(), INSITU_MEMORY_FRAME);
   FrameImages images{core::Image(settings.width, settings.height, counted),
                      core::CountedVector<float>(counted),
                      core::CountedVector<std::int64_t>(counted)};
@@ -268,16 +293,56 @@ FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSetti
     statistics->add(counters.volume);
     statistics->paths = counters.paths;
     statistics->rays = std::int64_t(pixels) * settings.samples_per_pixel;
-    statistics->step = renderer.step();
-    statistics->unheld = renderer.unheld();
-    const query::CulledCells* const culled = renderer.culled();
-    statistics->primitives = culled ? culled->primitives() : 0;
-    statistics->culled = culled ? culled->culled() : 0;
+    renderer.add_to(*statistics);
     statistics->hits = counters.hits;
     statistics->clipped = counters.clipped;
     statistics->prepare_seconds = prepared;
     statistics->seconds = timer.seconds();
   }
+  return images;
+}
+
+} // namespace
+
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                         const core::Threads& threads, core::Memory& memory,
+                         FrameStatistics* statistics) {
+  Structures structures(memory);
+  structures.begin(sampler, 0, 0, threads);
+  return render_frame(sampler, settings, structures, threads, statistics);
+}
+
+void put_over_background(core::Image& partial, const FrameSettings& settings,
+                         const core::Threads& threads) {
+  threads.parallel_for(partial.height, tile_side, [&](std::int64_t begin, std::int64_t end) {
+    for (int y = int(begin); y < int(end); ++y)
+      for (int x = 0; x < partial.width; ++x) {
+        float* const pixel = partial.pixel(x, y);
+        Color color{pixel[0], pixel[1], pixel[2]};
+        float& alpha = pixel[3];
+        blend_behind(color, alpha, settings.background, settings.background_alpha);
+        const float scale = alpha > 0 ? 1.0f / alpha : 0.0f;
+        pixel[0] = scale * color.r;
+        pixel[1] = scale * color.g;
+        pixel[2] = scale * color.b;
+      }
+  });
+}
+
+FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
+                         Structures& structures, const core::Threads& threads,
+                         FrameStatistics* statistics) {
+  const FrameLayer layer{sampler, settings, structures};
+  return render_frame(std::span(&layer, 1), threads, statistics);
+}
+
+FrameImages render_frame(std::span<const FrameLayer> layers, const core::Threads& threads,
+                         FrameStatistics* statistics) {
+  const core::Timer timer;
+  FrameImages images = draw_layers(layers, threads, statistics);
+  put_over_background(images.color, layers[0].settings, threads);
+  if (statistics)
+    statistics->seconds = timer.seconds();
   return images;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/image.h"
@@ -39,6 +40,14 @@ struct FrameSettings {
   bool depth = false, cell = false; ///< images of these too
 };
 
+/// One of the meshes of a frame. Of several the settings are alike but for what is drawn of each:
+/// volume, isosurfaces, boundary. Bodies and the outline are the first's alone.
+struct FrameLayer {
+  const query::Sampler& sampler;
+  const FrameSettings& settings;
+  Structures& structures;
+};
+
 /// Row 0 at the top, pixel x of row y at y * width + x. depth and cell stay empty unless asked for.
 /// Counted as memory of frames, so they must not outlive the structures' core::Memory.
 struct FrameImages {
@@ -54,7 +63,7 @@ struct FrameStatistics {
   std::int64_t rays = 0;
   std::int64_t samples = 0; ///< located for the volume
   std::int64_t skipped = 0; ///< samples in macrocells that nothing shows of
-  double step = 0;          ///< of the volume, its finest; 0 without one
+  double step = 0;          ///< of the volumes, the finest; 0 without one
   /// Macrocells where the volume's tolerance is not held; see StepLevels.
   std::int64_t unheld = 0;
   /// Of a culled volume: gridlets and stitching cells, and those that nothing shows of.
@@ -97,12 +106,12 @@ struct FrameStatistics {
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics = nullptr);
-/// What this mesh alone adds to an image: color is times alpha, without the background, so that
-/// partial images of meshes can be blended by depth before put_over_background().
-FrameImages render_partial_frame(const query::Sampler& sampler, const FrameSettings& settings,
-                                 Structures& structures, const core::Threads& threads,
-                                 FrameStatistics* statistics = nullptr);
-/// Puts a partial image over the background of the settings; its alpha then is straight.
+/// Draws several meshes, one at least, blended by depth; see volume/volumes_together.h. Also throws
+/// INSITU_ERROR_UNSUPPORTED for what several meshes cannot have: traced paths, images of cells.
+FrameImages render_frame(std::span<const FrameLayer> layers, const core::Threads& threads,
+                         FrameStatistics* statistics = nullptr);
+/// Puts an image of colours times alpha over the background of the settings; its alpha then is
+/// straight.
 void put_over_background(core::Image& partial, const FrameSettings& settings,
                          const core::Threads& threads);
 /// Draws a frame with structures for this frame alone.

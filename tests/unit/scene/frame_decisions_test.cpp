@@ -1,4 +1,5 @@
 // What a frame decides from its description and a few facts of its mesh, case by case.
+#include <array>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -35,7 +36,7 @@ FrameFacts dual_mesh() {
 struct Decided {
   explicit Decided(const std::string& keys, const FrameFacts& facts = plain_mesh())
       : frame(parse("frames: [{name: f, " + keys + "}]").frames.at(0)),
-        decisions(decide_frame(frame, facts)) {}
+        decisions(decide_frame(frame, std::array{std::optional(facts)})) {}
   const FrameDecisions* operator->() const { return &decisions; }
 
   Frame frame;
@@ -139,7 +140,7 @@ TEST(DecideFrame, SurfacesOfOneColourAreLitWithoutAWordAboutEffects) {
 
 TEST(DecideFrame, WhatIsDrawnOfAVolume) {
   const auto volume = [](const std::string& keys, const std::string& frame = {}) {
-    return *Decided("volume: {" + keys + "}" + frame)->volume;
+    return *Decided("volume: {" + keys + "}" + frame)->layers[0].volume;
   };
   const std::string flat = "the volume shows one value a cell";
   const std::string keys = ", shading: true, preintegrated: true";
@@ -172,7 +173,7 @@ TEST(DecideFrame, WhatIsDrawnOfAVolume) {
 /// Rings are kept out by default, and only where a word about it or about effects stands as it is.
 TEST(DecideFrame, IntegralsOfAVolumeWithoutAWordAboutThem) {
   const auto integrals = [](const std::string& keys, const std::string& frame = {}) {
-    return Decided("volume: {" + keys + "}" + frame)->volume->preintegration;
+    return Decided("volume: {" + keys + "}" + frame)->layers[0].volume->preintegration;
   };
   const std::string made = "against rings, by default: tables of integrals, while it is drawn";
   expect(integrals("field: p"), true, made);
@@ -191,7 +192,7 @@ TEST(DecideFrame, IntegralsOfAVolumeWithoutAWordAboutThem) {
 /// Only meshes with primitives can be culled, and not where values that do not show count.
 TEST(DecideFrame, Culling) {
   const auto culling = [](const std::string& keys, const FrameFacts& facts = dual_mesh()) {
-    return Decided(keys, facts)->volume->culling;
+    return Decided(keys, facts)->layers[0].volume->culling;
   };
   EXPECT_FALSE(culling("volume: {field: p, culling: always}", plain_mesh()).has_value());
   EXPECT_FALSE(culling("volume: {field: c, culling: always}").has_value());
@@ -206,7 +207,8 @@ TEST(DecideFrame, Culling) {
 TEST(DecideFrame, Isosurfaces) {
   const auto surface = [](const std::string& keys, const std::string& effect = {}) {
     return Decided("isosurfaces: [{values: [1], " + keys + "}], effects: [" + effect + "]")
-        ->isosurfaces.at(0);
+        ->layers[0]
+        .isosurfaces.at(0);
   };
   const IsosurfaceDecisions plain = surface("field: p");
   EXPECT_FALSE(plain.averages || plain.coloring.has_value());
@@ -227,24 +229,26 @@ TEST(DecideFrame, Isosurfaces) {
 TEST(DecideFrame, Colours) {
   const Decided d("volume: {field: p, range: [0, 1]}, boundary: {color: {field: u, component: 1}}, "
                   "isosurfaces: [{field: p, values: [1], color: {field: c}}], scalar_bar: true");
-  expect(d->volume->coloring.pass, false, "the range is given");
-  expect(d->isosurfaces[0].coloring->pass, true, "the range of the colours is automatic");
-  EXPECT_EQ(d->isosurfaces[0].coloring->field.field.association, INSITU_CELL);
-  EXPECT_EQ(d->boundary->field.component, 1);
+  expect(d->layers[0].volume->coloring.pass, false, "the range is given");
+  expect(d->layers[0].isosurfaces[0].coloring->pass, true, "the range of the colours is automatic");
+  EXPECT_EQ(d->layers[0].isosurfaces[0].coloring->field.field.association, INSITU_CELL);
+  EXPECT_EQ(d->layers[0].boundary->field.component, 1);
   const std::vector<const ColorBy*> by = colorings_of(d.frame);
   ASSERT_EQ(by.size(), 3u);
-  EXPECT_EQ(by[0], d->volume->coloring.by);
-  EXPECT_EQ(by[1], d->isosurfaces[0].coloring->by);
-  EXPECT_EQ(by[2], d->boundary->by);
+  EXPECT_EQ(by[0], d->layers[0].volume->coloring.by);
+  EXPECT_EQ(by[1], d->layers[0].isosurfaces[0].coloring->by);
+  EXPECT_EQ(by[2], d->layers[0].boundary->by);
   expect(d->scalar_bar, true, "drawn over the image");
   expect(Decided("boundary: {}, scalar_bar: true")->scalar_bar, false,
          "nothing is coloured by a field");
   expect(Decided("volume: {field: p}")->scalar_bar, false, "not asked for");
-  EXPECT_FALSE(Decided("boundary: {}")->boundary.has_value());
+  EXPECT_FALSE(Decided("boundary: {}")->layers[0].boundary.has_value());
 }
 
 TEST(DecideFrame, WhatSumsOverCells) {
-  const auto sums = [](const std::string& keys) { return Decided(keys)->vertex_cells.made; };
+  const auto sums = [](const std::string& keys) {
+    return Decided(keys)->layers[0].vertex_cells.made;
+  };
   EXPECT_FALSE(sums("volume: {field: c}, boundary: {color: {field: c}}"));
   EXPECT_TRUE(sums("volume: {field: c, smooth: true}"));
   EXPECT_TRUE(sums("isosurfaces: [{field: c, values: [1]}]"));

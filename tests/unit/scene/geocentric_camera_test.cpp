@@ -64,8 +64,8 @@ TEST(GeocentricCamera, SeesTheWholeMeshFromAbove) {
       reductions,     table,
       "s.yaml",       run.folder.string()};
   const scene::FrameSettingsMaker maker(frame, environment);
-  const render::Camera camera =
-      maker.camera(frame.camera, drawn.mesh, {run.meshes, 0, 0.0, true, 0.0}, 0);
+  const render::Camera camera = maker.camera(frame.camera, {drawn.mesh.sampler().facts().bounds},
+                                             {run.meshes, 0, 0.0, true, 0.0}, 0);
   Vec3d place = camera.position;
   geo::from_geocentric(geo::Frame::geodetic(), {&place, 1}, {&place, 1});
   EXPECT_NEAR(place.x, 15, 1);

@@ -106,6 +106,7 @@ TEST(SceneReference, HasEveryKeyOfEverySection) {
       {"times", "tracers: [{times: {zzz: 1}}]"},
       {"seeds of a probe", "tracers: [{seeds: {probe: a, zzz: 1}}]"},
       {"frames", "frames: [{zzz: 1}]"},
+      {"meshes", "frames: [{meshes: [{zzz: 1}]}]"},
       {"scalar_bar", "frames: [{scalar_bar: {zzz: 1}}]"},
       {"background", "frames: [{background: {zzz: 1}}]"},
       {"camera", "frames: [{camera: {zzz: 1}}]"},

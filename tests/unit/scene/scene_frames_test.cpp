@@ -14,11 +14,15 @@ Frame frame(const std::string& keys) {
   return parse(test::frame(keys)).frames[0];
 }
 Volume volume(const std::string& keys) {
-  return *parse("frames: [{name: f, volume: {field: rho, " + keys + "}}]").frames[0].volume;
+  return *parse("frames: [{name: f, volume: {field: rho, " + keys + "}}]")
+              .frames[0]
+              .layers[0]
+              .volume;
 }
 Isosurface isosurface(const std::string& keys) {
   return parse("frames: [{name: f, isosurfaces: [{field: p, values: [1], " + keys + "}]}]")
       .frames[0]
+      .layers[0]
       .isosurfaces[0];
 }
 std::string frame_error(const std::string& keys) {
@@ -37,11 +41,11 @@ TEST(SceneFrames, Defaults) {
   const Frame f = parse("frames: [{name: f, volume: {field: rho}}]").frames[0];
   EXPECT_EQ(f.name, "f");
   EXPECT_EQ(f.line, 2);
-  EXPECT_TRUE(f.mesh.empty());
+  EXPECT_TRUE(f.layers[0].mesh.empty());
   EXPECT_EQ(f.size, (std::array<int, 2>{1024, 1024}));
   EXPECT_EQ(f.background, render::linear_of_srgb(1, 1, 1));
   EXPECT_FALSE(f.scalar_bar || f.time_label);
-  EXPECT_TRUE(f.effects.empty() && f.isosurfaces.empty());
+  EXPECT_TRUE(f.effects.empty() && f.layers[0].isosurfaces.empty());
   EXPECT_EQ(f.accuracy, INSITU_STANDARD);
   EXPECT_EQ(f.step, 1);
   EXPECT_EQ(f.samples_per_pixel, 1);
@@ -52,19 +56,19 @@ TEST(SceneFrames, Defaults) {
   EXPECT_EQ(f.camera.up, (math::Vec3d{0, 0, 1}));
   EXPECT_FALSE(f.camera.position || f.camera.look_at);
   EXPECT_EQ(f.camera.orbit_azimuth_per_frame, 0);
-  EXPECT_EQ(f.volume->field.text, "rho");
-  EXPECT_TRUE(f.volume->component.magnitude());
-  EXPECT_EQ(f.volume->colors.name, "viridis");
-  EXPECT_EQ(f.volume->colors.path, "");
-  EXPECT_FALSE(f.volume->colors.range || f.volume->unit_distance);
-  EXPECT_TRUE(f.volume->opacity.empty());
+  EXPECT_EQ(f.layers[0].volume->field.text, "rho");
+  EXPECT_TRUE(f.layers[0].volume->component.magnitude());
+  EXPECT_EQ(f.layers[0].volume->colors.name, "viridis");
+  EXPECT_EQ(f.layers[0].volume->colors.path, "");
+  EXPECT_FALSE(f.layers[0].volume->colors.range || f.layers[0].volume->unit_distance);
+  EXPECT_TRUE(f.layers[0].volume->opacity.empty());
 }
 
 TEST(SceneFrames, Keys) {
   const Frame f = frame(
       "mesh: m, size: [1, 16384], background: [0, 0.5, 1], scalar_bar: true, time_label: True, "
       "effects: [lighting], accuracy: fast, step: 0.5");
-  EXPECT_EQ(f.mesh.text, "m");
+  EXPECT_EQ(f.layers[0].mesh.text, "m");
   EXPECT_EQ(f.size, (std::array<int, 2>{1, 16384}));
   EXPECT_EQ(f.background, render::linear_of_srgb(0, 0.5, 1));
   EXPECT_TRUE(f.scalar_bar && f.time_label);

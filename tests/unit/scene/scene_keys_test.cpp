@@ -333,8 +333,8 @@ TEST(SceneKeys, DefaultScene) {
   EXPECT_TRUE(scene.probes.empty() && scene.tracers.empty());
   const Frame& frame = scene.frames[0];
   EXPECT_EQ(frame.trigger.every, 10);
-  EXPECT_EQ(frame.mesh.text, "hydro");
-  EXPECT_EQ(frame.volume->field.text, "density");
+  EXPECT_EQ(frame.layers[0].mesh.text, "hydro");
+  EXPECT_EQ(frame.layers[0].volume->field.text, "density");
   EXPECT_FALSE(frame.camera.position);
   EXPECT_TRUE(frame.scalar_bar && frame.time_label);
 }

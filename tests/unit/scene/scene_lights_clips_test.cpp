@@ -93,8 +93,9 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
   const Frame f = test::parse("frames: [{name: f, boundary: {}, bodies: [{file: a/b.stl}], "
                               "outline: {}}]")
                       .frames[0];
-  EXPECT_EQ(f.boundary->opacity, 1);
-  EXPECT_EQ(std::get<render::Color>(f.boundary->color), render::linear_of_srgb(0.8, 0.8, 0.8));
+  EXPECT_EQ(f.layers[0].boundary->opacity, 1);
+  EXPECT_EQ(std::get<render::Color>(f.layers[0].boundary->color),
+            render::linear_of_srgb(0.8, 0.8, 0.8));
   EXPECT_EQ(f.bodies[0].path, "/base/a/b.stl");
   EXPECT_EQ(f.bodies[0].opacity, 1);
   EXPECT_EQ(f.bodies[0].line, 2);
@@ -104,8 +105,8 @@ TEST(SceneTriangles, BoundaryBodiesAndOutline) {
   const Frame g =
       frame("boundary: {opacity: 0.25, color: {field: p}}, bodies: [{file: /c.stl, "
             "opacity: 0.5, color: red}], outline: {color: white, width: 3, ticks: true}");
-  EXPECT_EQ(g.boundary->opacity, 0.25);
-  EXPECT_EQ(std::get<ColorBy>(g.boundary->color).field.text, "p");
+  EXPECT_EQ(g.layers[0].boundary->opacity, 0.25);
+  EXPECT_EQ(std::get<ColorBy>(g.layers[0].boundary->color).field.text, "p");
   EXPECT_EQ(g.bodies[0].path, "/c.stl");
   EXPECT_EQ(g.bodies[0].opacity, 0.5);
   EXPECT_EQ(g.bodies[0].color, render::linear_of_srgb(1, 0, 0));
@@ -120,6 +121,7 @@ TEST(SceneTriangles, NormalsAndSearchOfIsosurfaces) {
   const auto surface = [](const std::string& keys) {
     return test::parse("frames: [{name: f, isosurfaces: [{field: p, values: [1]" + keys + "}]}]")
         .frames[0]
+        .layers[0]
         .isosurfaces[0];
   };
   EXPECT_EQ(surface("").normals, render::Normals::cell);

@@ -29,6 +29,13 @@ struct RayPiece {
   Color color; ///< times alpha
 };
 
+/// What a volume adds to a ray over a stretch of it.
+struct VolumeStretch {
+  double from, to; ///< from < to
+  float alpha;     ///< above 0
+  Color color;     ///< not times alpha
+};
+
 /// What a ray has gathered, front to back, and where it stands.
 struct RayState {
   Ray ray;
@@ -46,6 +53,8 @@ struct RayState {
   std::size_t next_hit = 0;
   bool in_pieces = false;                               ///< hits end a piece, and are not blended
   std::vector<RayPiece> pieces;                         ///< those that have ended
+  bool keeps_stretches = false;                         ///< what is blended is kept too
+  std::vector<VolumeStretch> stretches;                 ///< in order
   std::int64_t lit = 0, integrals = 0, shadow_rays = 0; ///< see VolumeCounts
   /// Where alpha reached a half, and the flat cell there; see FrameImages.
   double depth = HUGE_VAL;
@@ -64,6 +73,8 @@ struct RayState {
     next_hit = 0;
     in_pieces = false;
     pieces.clear();
+    keeps_stretches = false;
+    stretches.clear();
     lit = integrals = shadow_rays = 0;
     depth = HUGE_VAL;
     depth_cell = -1;
@@ -73,6 +84,8 @@ struct RayState {
   void blend(const Color& c, float a) { blend_behind(color, alpha, c, a); }
   /// A medium in a cell that absorbs a of the light over a stretch of the ray.
   void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
+    if (keeps_stretches)
+      stretches.push_back({from, to, a, c});
     const float before = alpha;
     blend(c, a);
     if (before < 0.5f && alpha >= 0.5f) {

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "core/counted_vector.h"
 #include "math/vec.h"
+#include "mesh/box.h"
 #include "render/camera/camera.h"
 #include "render/surface/surface_hit.h"
 
@@ -16,11 +18,12 @@ struct OutlineTick {
   std::array<double, 2> by{};
 };
 
-/// The edges of the mesh's bounding box as lines.
+/// The edges of a box as lines.
 struct OutlineSettings {
   Color color{0, 0, 0};
   double width = 1.5; ///< in pixels
   std::vector<OutlineTick> ticks = {};
+  std::optional<mesh::Box> box = std::nullopt; ///< nothing: the mesh's bounding box
 };
 
 /// Draws lines of a width in pixels, with smooth borders, as hits among those of surfaces: what is

@@ -13,6 +13,7 @@ struct SurfaceHit {
   double t = 0;
   std::int64_t cell = -1;     ///< flat; of a body: -1
   std::int32_t surface = 0;   ///< isovalues of all settings, then the boundary, bodies; -1: a line
+  std::int32_t layer = 0;     ///< of a frame of several meshes: whose surface it is
   std::int64_t triangle = -1; ///< of a triangle mesh
   float opacity = 1;
   double extent = 0;      ///< of the ray in the cell, to tell hits apart

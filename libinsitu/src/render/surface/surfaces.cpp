@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/random.h"
 #include "render/path/path_tracer.h"
@@ -36,7 +37,7 @@ Surfaces::Surfaces(const query::Sampler& sampler, const FrameSettings& settings,
     triangles_.emplace(sampler, settings.boundary, settings.bodies, first_triangle_surface_,
                        structures);
   if (settings.outline) {
-    const mesh::Box box = sampler.facts().bounds;
+    const mesh::Box box = settings.outline->box.value_or(sampler.facts().bounds);
     outline_.emplace(*settings.outline, settings.camera, settings.width, settings.height, box.low,
                      box.high, structures.memory());
   }
@@ -66,7 +67,12 @@ void Surfaces::find(const Ray& ray, const std::vector<Stretch>* stays,
     triangles_->trace(ray, hits, stays);
 }
 
-void Surfaces::trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const {
+void Surfaces::join(std::int32_t layer, std::vector<const Surfaces*> others) {
+  layer_ = layer;
+  others_ = std::move(others);
+}
+
+void Surfaces::find(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const {
   const auto width = std::uint64_t(settings_.width);
   for (RayState& state : rays)
     if (tile) {
@@ -76,26 +82,26 @@ void Surfaces::trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCoun
     } else {
       find(state.ray, stays_of(state), state.hits, counts);
     }
-  light(rays, counts);
 }
 
-/// Colours hits that are in order, lights them, and adds what is neither lit nor cut.
 void Surfaces::light(std::span<RayState> rays, SurfaceCounts& counts) const {
   thread_local std::vector<Seen> seen; // kept for the thread's life
   seen.clear();
   see(rays, seen);
   if (shader_)
     light(seen, counts);
-  add_lines(rays);
 }
 
 void Surfaces::see(std::span<RayState> rays, std::vector<Seen>& seen) const {
   for (RayState& state : rays) {
     std::uint64_t index = 0;
     for (SurfaceHit& hit : state.hits) {
+      const std::uint64_t number = index++;
+      if (hit.layer != layer_)
+        continue;
       set_color(hit);
       seen.push_back(
-          {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + index++, &hit});
+          {&state.ray, core::splitmix64(state.pixel ^ (state.sample << 32)) + number, &hit});
     }
   }
 }
@@ -218,15 +224,38 @@ void Surfaces::answer(LightScratch& s, SurfaceCounts& counts) const {
       open(std::span(rays, count), counts);
       for (std::size_t i = 0; i < count; ++i) {
         LightScratch::Sent& sent = stream[first + i];
-        sent.open = rays[i].open;
-        if (volume_shadow_ && sent.open > 0)
-          sent.open *= volume_shadow_->through(rays[i].ray, sent.t_max, counts.shadow_samples);
+        sent.open = through_volumes(rays[i].ray, sent.t_max, rays[i].open, counts);
       }
     }
 }
 
-/// How much light surfaces let through.
+/// What is left of light after the shadows of volumes.
+double Surfaces::through_volumes(const Ray& ray, double t_max, double open,
+                                 SurfaceCounts& counts) const {
+  const auto pass = [&](const Surfaces& of) {
+    if (of.volume_shadow_ && open > 0)
+      open *= of.volume_shadow_->through(ray, t_max, counts.shadow_samples);
+  };
+  pass(*this);
+  for (const Surfaces* other : others_)
+    pass(*other);
+  return open;
+}
+
+/// How much light surfaces of all meshes let through: of at most RayCells::most rays.
 void Surfaces::open(std::span<LightRay> rays, SurfaceCounts& counts) const {
+  open_here(rays, counts);
+  for (const Surfaces* other : others_) {
+    LightRay there[RayCells::most];
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      there[i] = {rays[i].ray, rays[i].stays};
+    other->open_here(std::span(there, rays.size()), counts);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      rays[i].open *= there[i].open;
+  }
+}
+
+void Surfaces::open_here(std::span<LightRay> rays, SurfaceCounts& counts) const {
   thread_local std::vector<SurfaceHit> hits; // kept for the thread's life
   if (isosurfaces_)
     isosurfaces_->trace(rays, counts);

@@ -31,11 +31,25 @@ public:
   /// Sets ray.hits of each ray, in depth order, up to and including the first opaque one.
   /// ray.pixel and, if the frame has clips, ray.stays must be set. Random numbers depend on the
   /// pixel and the ray's sample. tile: holds the isosurfaces' hits of the pixels, or null.
-  void trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  void trace(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const {
+    find(rays, tile, counts);
+    finish(rays, counts);
+  }
   /// The isosurfaces, if hits of a tile can be found side by side; otherwise null.
   const IsosurfaceTracer* tiled() const {
     return isosurfaces_ && isosurfaces_->is_exact() ? &*isosurfaces_ : nullptr;
   }
+
+  // Of a frame of several meshes (surfaces_together.h), in this order.
+
+  /// Rays of light meet the surfaces of `others` too, and the shadows of their volumes; they must
+  /// outlive this. layer: SurfaceHit::layer of what is lit here.
+  void join(std::int32_t layer, std::vector<const Surfaces*> others);
+  /// What trace() makes before it is lit.
+  void find(std::span<RayState> rays, IsosurfaceTile* tile, SurfaceCounts& counts) const;
+  /// Colours and lights those of the hits that are of this layer.
+  void light(std::span<RayState> rays, SurfaceCounts& counts) const;
+  void add_lines(std::span<RayState> rays) const;
 
   // Of a frame of several processes (shared_surfaces.cpp), in this order.
 
@@ -52,8 +66,11 @@ public:
   void put_in_order(std::span<RayState> rays) const;
   /// The hit's own colour, if it is not known yet where it is shaded: of a body.
   void set_color(SurfaceHit& hit) const;
-  /// Lights these, and adds lines. Only without rays of light.
-  void finish(std::span<RayState> rays, SurfaceCounts& counts) const { light(rays, counts); }
+  /// Lights these, and adds lines. Of several processes only without rays of light.
+  void finish(std::span<RayState> rays, SurfaceCounts& counts) const {
+    light(rays, counts);
+    add_lines(rays);
+  }
 
   // With rays of light in place of finish().
 
@@ -76,7 +93,6 @@ public:
   static void shade(SurfaceHit& hit, const Color& factor) {
     hit.color = {factor.r * hit.color.r, factor.g * hit.color.g, factor.b * hit.color.b};
   }
-  void add_lines(std::span<RayState> rays) const;
   /// Sets the hits of rays of light in this process's cells, at most RayLanes::most rays, as they
   /// are. Returns the rays that an opaque one ends, a bit each, whose hits say nothing else.
   unsigned collect(std::span<const LightRay> rays, std::vector<SurfaceHit>* hits,
@@ -95,7 +111,6 @@ private:
             SurfaceCounts& counts) const;
   struct LightScratch;
   static LightScratch& scratch();
-  void light(std::span<RayState> rays, SurfaceCounts& counts) const;
   const std::vector<Stretch>* stays_of(const RayState& state) const {
     return settings_.clips.empty() ? nullptr : &state.stays;
   }
@@ -104,6 +119,8 @@ private:
   void answer(LightScratch& scratch, SurfaceCounts& counts) const;
   Color color(const SurfaceHit& hit) const;
   void open(std::span<LightRay> rays, SurfaceCounts& counts) const;
+  void open_here(std::span<LightRay> rays, SurfaceCounts& counts) const;
+  double through_volumes(const Ray& ray, double t_max, double open, SurfaceCounts& counts) const;
   double clearance(const SurfaceHit& hit, const math::Vec3d& position,
                    const math::Vec3d& normal) const;
 
@@ -117,6 +134,8 @@ private:
   std::optional<Outline> outline_;
   std::optional<Shader> shader_;              ///< none: plain colours
   std::optional<VolumeShadow> volume_shadow_; ///< if asked for
+  std::int32_t layer_ = 0;
+  std::vector<const Surfaces*> others_; ///< of other meshes
 };
 
 } // namespace insitu::render

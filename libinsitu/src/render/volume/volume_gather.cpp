@@ -28,7 +28,7 @@ void VolumeMarcher::gather_stretch(RayState& ray, Gathered& last, std::int64_t f
                                    std::uint32_t wanted, const query::ValueSample* samples,
                                    const query::Location* locations,
                                    const std::uint8_t* levels) const {
-  if (is_plain() && ray.next_hit == ray.hits.size())
+  if (is_plain() && ray.next_hit == ray.hits.size() && !ray.keeps_stretches)
     return gather_plainly(ray, first, wanted, samples);
   for (std::uint32_t rest = wanted; rest && !ray.is_saturated(); rest &= rest - 1) {
     const int k = std::countr_zero(rest);

@@ -92,9 +92,10 @@ std::vector<std::string> merge_columns(const std::string& path, std::vector<std:
 
 } // namespace
 
-std::string range_label(const ColorBy& by) {
-  return by.component.magnitude() ? by.field.text
-                                  : by.field.text + "_" + std::to_string(by.component.index);
+std::string range_label(const Frame& frame, const FrameLayer& layer, const ColorBy& by) {
+  const std::string of = frame.layers.size() > 1 ? layer.mesh.text + "_" : std::string();
+  return of + (by.component.magnitude() ? by.field.text
+                                        : by.field.text + "_" + std::to_string(by.component.index));
 }
 
 CameraAngles angles_of(const render::Camera& camera) {
@@ -117,8 +118,9 @@ CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& fo
     images |= frame.images != std::vector{ImageKind::color};
     formats |= frame.formats != std::vector{ImageFormat::png};
     depth |= std::count(frame.images.begin(), frame.images.end(), ImageKind::depth) > 0;
-    for (const ColorBy* by : colorings_of(frame))
-      add_once(ranges, range_label(*by));
+    for (const FrameLayer& layer : frame.layers)
+      for (const ColorBy* by : colorings_of(layer))
+        add_once(ranges, range_label(frame, layer, *by));
   }
   if (cameras)
     columns_.emplace_back("camera");

@@ -14,8 +14,8 @@
 namespace insitu::scene {
 
 /// The number by which a frame colours, in the names of columns: "density", "velocity",
-/// "velocity_0".
-std::string range_label(const ColorBy& by);
+/// "velocity_0"; of several meshes "water_velocity_0".
+std::string range_label(const Frame& frame, const FrameLayer& layer, const ColorBy& by);
 
 /// One file of a frame, for the table.
 struct CinemaRow {

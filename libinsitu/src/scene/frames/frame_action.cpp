@@ -1,6 +1,5 @@
 #include "scene/frames/frame_action.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <deque>
 #include <limits>
@@ -8,10 +7,10 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "output/annotate/box_ticks.h"
-#include "output/annotate/overlay.h"
 #include "scene/earth/globe.h"
 #include "scene/expression/trigger.h"
 #include "scene/frames/chart_copies.h"
+#include "scene/frames/frame_drawing.h"
 #include "scene/frames/frame_files.h"
 #include "scene/frames/frame_on_all.h"
 #include "scene/frames/frame_plan.h"
@@ -24,74 +23,93 @@ namespace insitu::scene {
 
 namespace {
 
-std::string title_of(const ScalarBar& bar, const ColorBy& by) {
-  const std::string title = bar.title.empty() ? by.field.text : bar.title;
-  return bar.unit.empty() ? title : title + " (" + bar.unit + ")";
-}
-
 class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
       : frame_(frame), environment_(environment), settings_(frame_, environment_),
-        cameras_(cameras_of(frame_)) {
+        cameras_(cameras_of(frame_)), told_nothing_(frame_.layers.size()) {
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
       for (std::size_t i = 0; i < cameras_.size(); ++i)
         accumulations_.emplace_back(environment_.context.memory);
+    if (frame_.layers.size() > 1 && environment_.world.size() > 1)
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        at_line(environment_.scene_file, frame_.line) + "frame '" + frame_.name +
+                            "': several meshes in one frame, over several processes, are not "
+                            "there yet");
   }
 
   const char* kind() const override { return "frame"; }
   const std::string& name() const override { return frame_.name; }
   const Trigger& trigger() const override { return frame_.trigger; }
-  const Name& mesh_name() const override { return frame_.mesh; }
+  const Name& mesh_name() const override { return frame_.layers.front().mesh; }
   void execute(commit::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
     if (environment_.world.size() > 1)
       return execute_on_all(own, step);
     const core::Timer timer;
-    commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
-    if (mesh.tree().empty() || mesh.sampler().facts(&environment_.context.threads).cells == 0) {
-      note_nothing_drawn(mesh, step);
+    std::vector<DrawnMesh> meshes = meshes_with_cells(own, step);
+    if (meshes.empty())
       return;
+    std::vector<std::optional<FrameFacts>> facts(frame_.layers.size());
+    for (const DrawnMesh& drawn : meshes)
+      facts[drawn.layer] = facts_of(frame_, *drawn.mesh, environment_.scene_file);
+    const FrameDecisions decisions = decide_frame(frame_, facts);
+    const mesh::Box all = scenery_of(meshes).box;
+    for (DrawnMesh& drawn : meshes)
+      drawn.structures = &environment_.structures.of(*drawn.mesh);
+    for (DrawnMesh& drawn : meshes) {
+      drawn.settings = settings_.make(decisions, {drawn.layer, *drawn.structures, nullptr,
+                                                  frame_.layers.size() > 1 ? &all : nullptr,
+                                                  &drawn == &meshes.front()});
+      if (has_chart_copies(*drawn.mesh))
+        end_at_chart(*drawn.mesh, drawn.settings);
     }
-    told_nothing_ = false;
-    const FrameDecisions decisions = decide(mesh);
-    render::Structures& structures = environment_.structures.of(mesh);
-    Drawing drawing{own, mesh, step, decisions, structures, settings_.make(decisions, structures)};
-    if (has_chart_copies(mesh))
-      end_at_chart(mesh, drawing.settings);
-    if (drawing.settings.path_tracing)
-      drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
-    environment_.statistics.render_s += timer.seconds();
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-      draw(drawing, i);
-    ++drawn_;
+    draw({step, decisions, std::move(meshes)}, timer);
   }
 
-  void plan(const commit::CommittedMesh& mesh, Plan& plan) const override {
-    if (frame_.geocentric) { // shares nothing with frames in the mesh's own coordinates
-      char drawn[64];
-      std::snprintf(drawn, sizeof drawn, ", geocentric, heights times %g",
-                    frame_.geocentric->exaggeration);
-      plan.begin("frame '" + frame_.name + "'", mesh.mesh().name() + drawn);
-      at_geocentric([&] { GeocentricMesh::check(mesh); });
+  void plan(const commit::CommittedMesh& mesh, MeshList meshes, Plan& plan) const override {
+    std::vector<const commit::CommittedMesh*> shown{&mesh};
+    for (std::size_t i = 1; i < frame_.layers.size(); ++i)
+      shown.push_back(&find_mesh(meshes, frame_.layers[i].mesh, environment_.scene_file));
+    std::vector<std::optional<FrameFacts>> facts;
+    for (const commit::CommittedMesh* of : shown)
+      facts.emplace_back(facts_of(frame_, *of, environment_.scene_file));
+    const FrameDecisions decisions = decide_frame(frame_, facts);
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      std::string name = shown[i]->mesh().name();
+      if (frame_.geocentric) { // shares nothing with frames in the mesh's own coordinates
+        char drawn[64];
+        std::snprintf(drawn, sizeof drawn, ", geocentric, heights times %g",
+                      frame_.geocentric->exaggeration);
+        name += drawn;
+      }
+      plan.begin("frame '" + frame_.name + "'", name);
+      if (frame_.geocentric)
+        at_geocentric([&] { GeocentricMesh::check(*shown[i]); });
+      plan_frame(frame_, i, settings_, decisions, *shown[i], environment_.context.threads, plan);
     }
-    plan_frame(frame_, settings_, decide(mesh), mesh, environment_.context.threads, plan);
   }
 
 private:
-  /// The images of one cycle.
-  struct Drawing {
-    const commit::CommittedMesh& own;  ///< the solver's mesh
-    const commit::CommittedMesh& mesh; ///< the mesh that is drawn
-    const Step& step;
-    const FrameDecisions& decisions;
-    render::Structures& structures;
-    render::FrameSettings settings; ///< the camera and what follows it are set for each image
-    /// Of several processes; null: there is one.
-    const render::FramePart* part = nullptr;
-    const FrameKeys* keys = nullptr;
-  };
+  /// What is drawn of the frame's meshes, those without cells left out.
+  std::vector<DrawnMesh> meshes_with_cells(commit::CommittedMesh& first, const Step& step) {
+    std::vector<DrawnMesh> meshes;
+    for (std::size_t i = 0; i < frame_.layers.size(); ++i) {
+      commit::CommittedMesh& own =
+          i == 0 ? first
+                 : find_host_mesh(step.meshes, frame_.layers[i].mesh, environment_.scene_file);
+      commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
+      const bool has_cells =
+          !mesh.tree().empty() && mesh.sampler().facts(&environment_.context.threads).cells > 0;
+      if (has_cells)
+        meshes.push_back({i, &own, &mesh});
+      else
+        note_nothing_drawn(mesh, i, step);
+      told_nothing_[i] = !has_cells;
+    }
+    return meshes;
+  }
 
   /// Draws what several processes have of the mesh.
   void execute_on_all(commit::CommittedMesh& own, const Step& step) {
@@ -109,16 +127,18 @@ private:
     FrameDecisions decisions;
     world.agree_after([&] { decisions = decide_on_all(mesh, fields, in_place); });
     // A halo that is there must not be of an earlier step.
-    const bool with_halo = decisions.vertex_cells.made || frame_.boundary || mesh.halo();
+    const bool with_halo =
+        decisions.layers[0].vertex_cells.made || frame_.layers[0].boundary || mesh.halo();
     if (with_halo)
       mesh.update_halo(world, environment_.context.threads, environment_.context.log);
     know_whole_facts(mesh, environment_);
     if (mesh.sampler().facts().cells == 0) {
       if (world.is_root())
-        note_nothing_drawn(mesh, step);
+        note_nothing_drawn(mesh, 0, step);
+      told_nothing_[0] = true;
       return;
     }
-    told_nothing_ = false;
+    told_nothing_[0] = false;
     const FrameKeys keys(mesh, world);
     render::FramePart part{world, mesh.mesh().view().own_cell_count(),
                            [&](std::int64_t flat) { return keys.key(flat); },
@@ -135,19 +155,25 @@ private:
       if (refreshed)
         decisions = decide_on_all(mesh, *refreshed, in_place);
     });
-    complete_averages(decisions, mesh, *structures, world);
-    const RangesByColor ranges = frame_ranges(decisions, *structures, world);
+    complete_averages(decisions.layers[0], mesh, *structures, world);
+    const RangesByColor ranges = frame_ranges(decisions.layers[0], *structures, world);
     render::FrameSettings settings;
     world.agree_after([&] {
-      settings = settings_.make(decisions, *structures, &ranges);
+      settings = settings_.make(decisions, {0, *structures, &ranges});
       if (in_place.copies)
         end_at_chart(mesh, settings);
     });
     note_exact(settings, step);
-    Drawing drawing{own, mesh, step, decisions, *structures, std::move(settings), &part, &keys};
-    if (drawing.settings.path_tracing)
-      drawing.settings.path_tracing->cycle = std::uint64_t(step.cycle);
-    environment_.statistics.render_s += timer.seconds();
+    draw({step, decisions, {{0, &own, &mesh, structures, std::move(settings)}}, &part, &keys},
+         timer);
+  }
+
+  /// began: with the work on this drawing.
+  void draw(Drawing drawing, const core::Timer& began) {
+    for (DrawnMesh& drawn : drawing.meshes)
+      if (drawn.settings.path_tracing)
+        drawn.settings.path_tracing->cycle = std::uint64_t(drawing.step.cycle);
+    environment_.statistics.render_s += began.seconds();
     for (std::size_t i = 0; i < cameras_.size(); ++i)
       draw(drawing, i);
     ++drawn_;
@@ -167,7 +193,13 @@ private:
 
   /// Copies reach over the ends of a chart, where their places are shown already, and others lie
   /// beyond on charts turned to a pole. Faces that lie in the ends are seen.
-  static void end_at_chart(const commit::CommittedMesh& mesh, render::FrameSettings& settings) {
+  void end_at_chart(const commit::CommittedMesh& mesh, render::FrameSettings& settings) const {
+    if (frame_.layers.size() > 1) // each would end elsewhere
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        "mesh '" + mesh.mesh().name() +
+                            "': several meshes in one frame in longitude and latitude, with cells "
+                            "over the seam or at a pole, are not there yet; geocentric frames have "
+                            "them");
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const mesh::Box ends = mesh.sampler().facts().bounds;
     const double slack = 1e-6 * (ends.high.x - ends.low.x);
@@ -179,13 +211,9 @@ private:
   /// The same on all processes.
   FrameDecisions decide_on_all(const commit::CommittedMesh& mesh, const FieldsByName& fields,
                                const CellsInPlace& in_place) const {
-    FrameFacts facts = facts_of(frame_, mesh, environment_.scene_file, &fields);
-    facts.has_stand_in = in_place.made; // FrameKeys tells whose copies are
-    return decide_frame(frame_, facts);
-  }
-
-  FrameDecisions decide(const commit::CommittedMesh& mesh) const {
-    return decide_frame(frame_, facts_of(frame_, mesh, environment_.scene_file));
+    std::optional<FrameFacts> facts = facts_of(frame_, mesh, environment_.scene_file, &fields);
+    facts->has_stand_in = in_place.made; // FrameKeys tells whose copies are
+    return decide_frame(frame_, std::span(&facts, 1));
   }
 
   /// Errors of the scene get the line of `geocentric`.
@@ -210,13 +238,12 @@ private:
 
   /// A mesh without cells, or one that hides them all, is no error: a solver's cells may come
   /// later.
-  void note_nothing_drawn(const commit::CommittedMesh& mesh, const Step& step) {
-    if (!told_nothing_)
-      environment_.context.log.warning("cycle " + std::to_string(step.cycle) + ": frame '" +
-                                       frame_.name + "': mesh '" + mesh.mesh().name() +
-                                       "' has no cell that could be drawn; no image is written "
-                                       "until it has");
-    told_nothing_ = true;
+  void note_nothing_drawn(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
+    if (!told_nothing_[layer])
+      environment_.context.log.warning(
+          "cycle " + std::to_string(step.cycle) + ": frame '" + frame_.name + "': mesh '" +
+          mesh.mesh().name() + "' has no cell that could be drawn; " +
+          (frame_.layers.size() > 1 ? "it is left out" : "no image is written") + " until it has");
   }
 
   void note_exact(const render::FrameSettings& settings, const Step& step) {
@@ -231,22 +258,17 @@ private:
 
   void draw(Drawing& drawing, std::size_t number) {
     const core::Timer timer;
-    const commit::CommittedMesh& mesh = drawing.mesh;
+    const DrawnMesh& first = drawing.first();
     output::BoxTicks ticks;
     environment_.world.agree_after([&] { aim(drawing, number, ticks); });
     if (!accumulations_.empty())
-      accumulations_[number].use(mesh, drawing.settings, environment_.world);
+      accumulations_[number].use(*first.mesh, drawing.first().settings, environment_.world);
     render::FrameStatistics done;
-    const std::int64_t located = mesh.located();
-    render::FrameImages images =
-        drawing.part
-            ? render::render_shared_frame(*drawing.part, mesh.own_sampler(), drawing.settings,
-                                          drawing.structures, environment_.context.threads, &done)
-            : render::render_frame(mesh.sampler(), drawing.settings, drawing.structures,
-                                   environment_.context.threads, &done);
-    mesh.note_drawn(mesh.located() - located);
+    render::FrameImages images = drawing.part
+                                     ? draw_part(drawing, done)
+                                     : draw_here(drawing, environment_.context.threads, &done);
     if (drawing.decisions.globe)
-      draw_globe(*frame_.geocentric, drawing.own, drawing.settings, environment_.world,
+      draw_globe(*frame_.geocentric, *first.own, first.settings, environment_.world,
                  environment_.context, images);
     environment_.statistics.render_s += timer.seconds();
     environment_.world.agree_after([&] {
@@ -255,15 +277,27 @@ private:
     });
   }
 
+  render::FrameImages draw_part(const Drawing& drawing, render::FrameStatistics& done) const {
+    const DrawnMesh& drawn = drawing.first();
+    const std::int64_t located = drawn.mesh->located();
+    render::FrameImages images =
+        render::render_shared_frame(*drawing.part, drawn.mesh->own_sampler(), drawn.settings,
+                                    *drawn.structures, environment_.context.threads, &done);
+    drawn.mesh->note_drawn(drawn.mesh->located() - located);
+    return images;
+  }
+
   /// Sets what follows the camera.
   void aim(Drawing& drawing, std::size_t number, output::BoxTicks& ticks) {
-    render::FrameSettings& settings = drawing.settings;
-    const commit::CommittedMesh& mesh = drawing.mesh;
-    settings.camera = settings_.camera(cameras_[number].camera, mesh, drawing.step, drawn_);
+    const FrameSettingsMaker::Scenery scenery = scenery_of(drawing.meshes);
+    const render::Camera camera =
+        settings_.camera(cameras_[number].camera, scenery, drawing.step, drawn_);
+    for (DrawnMesh& drawn : drawing.meshes)
+      drawn.settings.camera = camera;
     if (frame_.outline && frame_.outline->ticks) {
-      const mesh::Box box = mesh.sampler().facts().bounds;
-      ticks =
-          output::box_ticks(settings.camera, settings.width, settings.height, box.low, box.high);
+      render::FrameSettings& settings = drawing.first().settings;
+      ticks = output::box_ticks(camera, settings.width, settings.height, scenery.box.low,
+                                scenery.box.high);
       settings.outline->ticks = ticks.lines;
     }
   }
@@ -272,16 +306,15 @@ private:
   void show(const Drawing& drawing, std::size_t number, const output::BoxTicks& ticks,
             const render::FrameStatistics& done, render::FrameImages& images) {
     const core::Timer timer;
-    const render::FrameSettings& settings = drawing.settings;
-    warn(done, settings, drawing.step);
-    draw_overlays(images.color, drawing, ticks);
+    warn(done, drawing);
+    draw_overlays(frame_, drawing, ticks, images.color);
+    const DrawnMesh& first = drawing.first();
     if (drawing.decisions.own_cells && !drawing.part)
-      count_as_the_solver(drawing.mesh, settings, images);
+      count_as_the_solver(first, environment_.context.threads, images);
     if (drawing.keys)
       for (std::int64_t& cell : images.cell)
         cell = cell >= 0 ? drawing.keys->solvers(cell) : cell;
-    if (const mesh::Mesh& own = drawing.own.mesh();
-        !drawing.part && own.has_global_ids(INSITU_CELL))
+    if (const mesh::Mesh& own = first.own->mesh(); !drawing.part && own.has_global_ids(INSITU_CELL))
       for (std::int64_t& cell : images.cell)
         if (cell >= 0)
           cell = own.global_id(INSITU_CELL, cell);
@@ -289,14 +322,15 @@ private:
     write(drawing, cameras_[number].name, images);
   }
 
-  void warn(const render::FrameStatistics& done, const render::FrameSettings& settings,
-            const Step& step) {
+  void warn(const render::FrameStatistics& done, const Drawing& drawing) {
     const std::string of =
-        "frame '" + frame_.name + "', cycle " + std::to_string(step.cycle) + ": ";
+        "frame '" + frame_.name + "', cycle " + std::to_string(drawing.step.cycle) + ": ";
     if (done.unheld > 0 && !told_unheld_) {
       told_unheld_ = true;
-      char tolerance[32];
-      std::snprintf(tolerance, sizeof tolerance, "%g", *settings.volume->tolerance);
+      char tolerance[32] = "";
+      for (const DrawnMesh& drawn : drawing.meshes)
+        if (const auto& volume = drawn.settings.volume; volume && volume->tolerance)
+          std::snprintf(tolerance, sizeof tolerance, "%g", *volume->tolerance);
       environment_.context.log.warning(
           of + "the volume's tolerance of " + tolerance + " is not held in " +
           std::to_string(done.unheld) +
@@ -306,7 +340,8 @@ private:
     if (done.paths.cut > 0)
       environment_.context.log.warning(
           of + std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
-          " paths were cut off after " + std::to_string(settings.path_tracing->max_bounces) +
+          " paths were cut off after " +
+          std::to_string(drawing.first().settings.path_tracing->max_bounces) +
           " bounces; a larger max_bounces loses less light");
   }
 
@@ -317,52 +352,11 @@ private:
     row.time = drawing.step.time;
     row.name = frame_.name;
     row.camera = camera;
-    row.view = drawing.settings.camera;
-    const std::vector<const ColorBy*> by = colorings_of(frame_);
-    const std::vector<const render::TransferFunction*> functions = functions_of(drawing.settings);
-    for (std::size_t i = 0; i < by.size(); ++i)
-      row.ranges.emplace_back(range_label(*by[i]),
-                              ValueRange{functions[i]->low(), functions[i]->high()});
+    row.view = drawing.first().settings.camera;
+    row.ranges = ranges_of(frame_, drawing);
     write_frame_files(frame_, environment_, images, row);
     environment_.statistics.output_s += timer.seconds();
     ++environment_.statistics.frames;
-  }
-
-  /// Cells that stand in for the solver's become those of the solver that are seen.
-  void count_as_the_solver(const commit::CommittedMesh& mesh, const render::FrameSettings& settings,
-                           render::FrameImages& images) const {
-    const render::RayGenerator rays(settings.camera, settings.width, settings.height);
-    environment_.context.threads.parallel_for(
-        settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
-          for (std::int64_t y = begin; y < end; ++y)
-            for (int x = 0; x < settings.width; ++x) {
-              const auto at = std::size_t(y * settings.width + x);
-              if (images.cell[at] < 0)
-                continue;
-              const render::Ray ray = rays(x, int(y));
-              const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
-              images.cell[at] = mesh.own({images.cell[at], {}}, p).cell;
-            }
-        });
-  }
-
-  void draw_overlays(core::Image& image, const Drawing& drawing,
-                     const output::BoxTicks& ticks) const {
-    output::Overlay overlay;
-    overlay.background = drawing.settings.background;
-    output::draw_box_labels(image, ticks, overlay);
-    if (drawing.decisions.scalar_bar) {
-      const ColorBy& first = *colorings_of(frame_).front();
-      output::Overlay with_nan = overlay;
-      with_nan.names_nan = first.colors.nan.has_value();
-      output::draw_scalar_bar(image, *functions_of(drawing.settings).front(),
-                              title_of(*frame_.scalar_bar, first), with_nan);
-    }
-    if (frame_.axes)
-      output::draw_axes(image, render::CameraAxes(drawing.settings.camera), overlay);
-    if (frame_.time_label)
-      output::draw_time_label(image, (*frame_.time_label)(drawing.step.time, drawing.step.cycle),
-                              overlay);
   }
 
   Frame frame_;
@@ -372,7 +366,8 @@ private:
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
   bool told_unheld_ = false;                   ///< that a tolerance is not held
-  bool told_nothing_ = false;                  ///< that there is no cell, since the last frame
+  /// By layer: that the mesh has no cell, since it last had one.
+  std::vector<bool> told_nothing_;
   bool told_exact_ = false;                    ///< that standard compositing is not
 };
 

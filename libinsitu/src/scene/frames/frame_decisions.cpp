@@ -18,7 +18,7 @@ bool asks_for(const std::vector<Item>& items, Item item) {
   return std::find(items.begin(), items.end(), item) != items.end();
 }
 
-void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& d) {
+void decide_images(const Frame& frame, bool has_stand_in, FrameDecisions& d) {
   d.samples = frame.samples_per_pixel > 1
                   ? Decision{true, "several samples a pixel, one after the other"}
                   : Decision{false, "one sample a pixel"};
@@ -28,7 +28,7 @@ void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& 
   const bool cell = asks_for(frame.images, ImageKind::cell);
   d.cell = {cell, cell ? while_drawn : "not among the frame's images"};
   // In which of the solver's cells a point of a cell that stands in for it lies takes the point.
-  d.own_cells = cell && facts.has_stand_in;
+  d.own_cells = cell && has_stand_in;
   if (asks_for(frame.images, ImageKind::depth))
     d.depth = {true, while_drawn};
   else if (d.own_cells)
@@ -42,12 +42,18 @@ void decide_images(const Frame& frame, const FrameFacts& facts, FrameDecisions& 
 /// Returns why surfaces are lit where the frame has no word about effects, or null where they are
 /// not: colours of a field tell something of a boundary without light, one colour tells nothing.
 const char* lit_by_default(const Frame& frame) {
-  return frame.has_effects_key        ? nullptr
-         : !frame.isosurfaces.empty() ? "isosurfaces, and no effects are listed"
-         : !frame.bodies.empty()      ? "bodies, and no effects are listed"
-         : frame.boundary && std::holds_alternative<render::Color>(frame.boundary->color)
-             ? "a boundary of one colour, and no effects are listed"
-             : nullptr;
+  const auto has = [&](const auto& what) {
+    return std::any_of(frame.layers.begin(), frame.layers.end(), what);
+  };
+  const auto isosurfaces = [](const FrameLayer& layer) { return !layer.isosurfaces.empty(); };
+  const auto plain_boundary = [](const FrameLayer& layer) {
+    return layer.boundary && std::holds_alternative<render::Color>(layer.boundary->color);
+  };
+  return frame.has_effects_key   ? nullptr
+         : has(isosurfaces)      ? "isosurfaces, and no effects are listed"
+         : !frame.bodies.empty() ? "bodies, and no effects are listed"
+         : has(plain_boundary)   ? "a boundary of one colour, and no effects are listed"
+                                 : nullptr;
 }
 
 void decide_lighting(const Frame& frame, FrameDecisions& d) {
@@ -62,7 +68,12 @@ void decide_lighting(const Frame& frame, FrameDecisions& d) {
     d.shadows = {true, "with volume shadows"};
   const char* const by_default = lit_by_default(frame);
   d.lit = by_default || asks_for(frame.effects, FrameEffect::lighting) || d.shadows || d.occlusion;
-  if (frame.isosurfaces.empty() && !frame.boundary && frame.bodies.empty())
+  const bool has_surfaces =
+      !frame.bodies.empty() ||
+      std::any_of(frame.layers.begin(), frame.layers.end(), [](const FrameLayer& layer) {
+        return !layer.isosurfaces.empty() || layer.boundary;
+      });
+  if (!has_surfaces)
     d.surface_lighting = {false, "there is none"};
   else if (by_default)
     d.surface_lighting = {true, by_default};
@@ -85,8 +96,7 @@ std::optional<Coloring> decide_coloring(const SurfaceColor& color, const FrameFa
 
 /// Where the volume has no word about it, samples alone would draw rings; frames that list their
 /// effects have what they list.
-Decision integrates(const Frame& frame) {
-  const Volume& volume = *frame.volume;
+Decision integrates(const Frame& frame, const Volume& volume) {
   if (volume.preintegrated)
     return *volume.preintegrated ? Decision{true, "tables of integrals, while it is drawn"}
                                  : Decision{false, "the volume says no"};
@@ -101,8 +111,7 @@ Decision integrates(const Frame& frame) {
   return {true, "against rings, by default: tables of integrals, while it is drawn"};
 }
 
-VolumeDecisions decide_volume(const Frame& frame, const FrameFacts& facts) {
-  const Volume& volume = *frame.volume;
+VolumeDecisions decide_volume(const Frame& frame, const Volume& volume, const FrameFacts& facts) {
   const bool path_traced = frame.path_tracing.has_value();
   VolumeDecisions d;
   d.coloring = decide_coloring(volume, facts);
@@ -119,7 +128,7 @@ VolumeDecisions decide_volume(const Frame& frame, const FrameFacts& facts) {
                                    : Decision{true, why};
   };
   d.shading = choose(volume.shading, true, "by the gradient, of samples that show");
-  const Decision integral = integrates(frame);
+  const Decision integral = integrates(frame, volume);
   d.preintegration = integral.made ? choose(true, true, integral.why) : integral;
   d.step_levels =
       choose(volume.tolerance.has_value(), false, "the volume has a tolerance; while it is drawn");
@@ -151,10 +160,31 @@ IsosurfaceDecisions decide_isosurface(const Isosurface& surface, bool lit,
   return d;
 }
 
-bool sums_over_cells(const FrameDecisions& d) {
+bool sums_over_cells(const LayerDecisions& d) {
   return (d.volume && d.volume->average) ||
          std::any_of(d.isosurfaces.begin(), d.isosurfaces.end(),
                      [](const IsosurfaceDecisions& s) { return s.averages || s.gradients; });
+}
+
+LayerDecisions decide_layer(const Frame& frame, const FrameLayer& layer, bool lit,
+                            const FrameFacts& facts) {
+  LayerDecisions d;
+  if (layer.volume)
+    d.volume = decide_volume(frame, *layer.volume, facts);
+  for (const Isosurface& surface : layer.isosurfaces)
+    d.isosurfaces.push_back(decide_isosurface(surface, lit, facts));
+  if (layer.boundary)
+    d.boundary = decide_coloring(layer.boundary->color, facts);
+  d.vertex_cells = sums_over_cells(d)
+                       ? Decision{true, "for vertex averages and gradients"}
+                       : Decision{false, "neither averages nor gradients at vertices are needed"};
+  return d;
+}
+
+bool colors_by_field(const LayerDecisions& d) {
+  return d.volume || d.boundary ||
+         std::any_of(d.isosurfaces.begin(), d.isosurfaces.end(),
+                     [](const IsosurfaceDecisions& s) { return s.coloring.has_value(); });
 }
 
 } // namespace
@@ -177,22 +207,20 @@ FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
   return facts;
 }
 
-FrameDecisions decide_frame(const Frame& frame, const FrameFacts& facts) {
+FrameDecisions decide_frame(const Frame& frame, std::span<const std::optional<FrameFacts>> facts) {
   FrameDecisions d;
-  decide_images(frame, facts, d);
+  decide_images(frame,
+                std::any_of(facts.begin(), facts.end(),
+                            [](const auto& of) { return of && of->has_stand_in; }),
+                d);
   decide_lighting(frame, d);
-  if (frame.volume)
-    d.volume = decide_volume(frame, facts);
-  for (const Isosurface& surface : frame.isosurfaces)
-    d.isosurfaces.push_back(decide_isosurface(surface, d.lit, facts));
-  if (frame.boundary)
-    d.boundary = decide_coloring(frame.boundary->color, facts);
-  d.scalar_bar = !frame.scalar_bar             ? Decision{false, "not asked for"}
-                 : colorings_of(frame).empty() ? Decision{false, "nothing is coloured by a field"}
-                                               : Decision{true, "drawn over the image"};
-  d.vertex_cells = sums_over_cells(d)
-                       ? Decision{true, "for vertex averages and gradients"}
-                       : Decision{false, "neither averages nor gradients at vertices are needed"};
+  for (std::size_t i = 0; i < frame.layers.size(); ++i)
+    d.layers.push_back(facts[i] ? decide_layer(frame, frame.layers[i], d.lit, *facts[i])
+                                : LayerDecisions{});
+  d.scalar_bar = !frame.scalar_bar ? Decision{false, "not asked for"}
+                 : !std::any_of(d.layers.begin(), d.layers.end(), colors_by_field)
+                     ? Decision{false, "nothing is coloured by a field"}
+                     : Decision{true, "drawn over the image"};
   return d;
 }
 

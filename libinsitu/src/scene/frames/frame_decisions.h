@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,16 @@ struct IsosurfaceDecisions {
   std::optional<Coloring> coloring;
 };
 
-/// Everything that a frame decides from its description and the facts of its mesh. The settings of
-/// the renderer and the frame's part of the plan are both made from these decisions.
+/// What is decided about one of the meshes of a frame.
+struct LayerDecisions {
+  std::optional<VolumeDecisions> volume;
+  std::vector<IsosurfaceDecisions> isosurfaces;
+  std::optional<Coloring> boundary; ///< an empty optional: no boundary, or one of a single colour
+  Decision vertex_cells;            ///< whether something sums over the cells around vertices
+};
+
+/// Everything that a frame decides from its description and the facts of its meshes. The settings
+/// of the renderer and the frame's part of the plan are both made from these decisions.
 struct FrameDecisions {
   Decision samples;       ///< whether pixels have several samples, with an image for one of them
   Decision depth, cell;   ///< images beside that of colour
@@ -64,13 +73,11 @@ struct FrameDecisions {
   Decision globe;
   bool lit = false;
   Decision surface_lighting, shadows, volume_shadows, occlusion;
-  std::optional<VolumeDecisions> volume;
-  std::vector<IsosurfaceDecisions> isosurfaces;
-  std::optional<Coloring> boundary; ///< an empty optional: no boundary, or one of a single colour
+  std::vector<LayerDecisions> layers; ///< as Frame::layers; of meshes that are left out nothing
   Decision scalar_bar;
-  Decision vertex_cells; ///< whether something sums over the cells around vertices
 };
 
-FrameDecisions decide_frame(const Frame& frame, const FrameFacts& facts);
+/// facts: of the frame's meshes, as Frame::layers; of those that are left out nothing.
+FrameDecisions decide_frame(const Frame& frame, std::span<const std::optional<FrameFacts>> facts);
 
 } // namespace insitu::scene

@@ -17,7 +17,7 @@ FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
   std::vector<const Name*> named;
   for (const ColorBy* by : colorings_of(frame))
     named.push_back(&by->field);
-  for (const Isosurface& surface : frame.isosurfaces)
+  for (const Isosurface& surface : frame.layers.front().isosurfaces)
     named.push_back(&surface.field);
   std::vector<Name> names;
   for (const Name* name : named)
@@ -47,7 +47,7 @@ void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environmen
   mesh.set_whole_facts(render::whole_facts(world, mine));
 }
 
-void complete_averages(const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
+void complete_averages(const LayerDecisions& decisions, const commit::CommittedMesh& mesh,
                        render::Structures& structures, parallel::World& world) {
   if (!mesh.halo())
     return;
@@ -60,7 +60,7 @@ void complete_averages(const FrameDecisions& decisions, const commit::CommittedM
   }
 }
 
-RangesByColor frame_ranges(const FrameDecisions& decisions, render::Structures& structures,
+RangesByColor frame_ranges(const LayerDecisions& decisions, render::Structures& structures,
                            parallel::World& world) {
   std::vector<const Coloring*> asked;
   const auto ask = [&](const std::optional<Coloring>& coloring) {

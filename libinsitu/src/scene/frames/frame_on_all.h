@@ -9,8 +9,8 @@
 #include "scene/frames/frame_settings.h"
 #include "scene/run/environment.h"
 
-/// What the processes of a session find out together before they draw a frame. All calls are
-/// collective and throw parallel::AgreedError.
+/// What the processes of a session find out together before they draw a frame, which is of one
+/// mesh. All calls are collective and throw parallel::AgreedError.
 namespace insitu::scene {
 
 /// The fields that the frame names, as all processes have them.
@@ -21,11 +21,11 @@ FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
 void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environment);
 
 /// Makes averages whole at the vertices of other processes' cells, where smooth normals need them.
-void complete_averages(const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
+void complete_averages(const LayerDecisions& decisions, const commit::CommittedMesh& mesh,
                        render::Structures& structures, parallel::World& world);
 
 /// The ranges of all processes' values by which the frame colours and whose pass is decided.
-RangesByColor frame_ranges(const FrameDecisions& decisions, render::Structures& structures,
+RangesByColor frame_ranges(const LayerDecisions& decisions, render::Structures& structures,
                            parallel::World& world);
 
 /// How the frame tells cells apart: by global ids where all have them, else by numbers that go on

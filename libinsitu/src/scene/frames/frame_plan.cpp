@@ -36,30 +36,39 @@ std::string scalar_name(const render::ScalarField& scalar) {
 
 class FramePlanner {
 public:
-  FramePlanner(const Frame& frame, const FrameSettingsMaker& settings,
+  FramePlanner(const Frame& frame, std::size_t layer, const FrameSettingsMaker& settings,
                const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
                const core::Threads& threads, Plan& plan)
-      : frame_(frame), settings_(settings), decisions_(decisions), mesh_(mesh),
-        view_(mesh.mesh().view()), threads_(threads), plan_(plan) {}
+      : frame_(frame), layer_(frame.layers[layer]), settings_(settings), decisions_(decisions),
+        decided_(decisions.layers[layer]), mesh_(mesh), view_(mesh.mesh().view()),
+        threads_(threads), plan_(plan), is_first_(layer == 0) {}
 
   void run() {
-    plan_images(frame_, decisions_, plan_);
+    if (is_first_)
+      plan_images(frame_, decisions_, plan_);
     geocentric();
-    if (frame_.volume)
-      volume(*frame_.volume, *decisions_.volume);
+    if (layer_.volume)
+      volume(*layer_.volume, *decided_.volume);
     else
       skip({"ray marching", "macrocell grid", "majorants", "volume shading", "pre-integration",
             "step levels"},
            "no volume is asked for");
     if (!frame_.path_tracing)
       plan_.skip("path tracing", "no scattering is asked for");
-    for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
-      isosurface(frame_.isosurfaces[i], decisions_.isosurfaces[i]);
-    if (frame_.isosurfaces.empty())
+    for (std::size_t i = 0; i < layer_.isosurfaces.size(); ++i)
+      isosurface(layer_.isosurfaces[i], decided_.isosurfaces[i]);
+    if (layer_.isosurfaces.empty())
       skip({"value ranges of the tree", "vertex gradients"}, "no isosurface is asked for");
-    plan_.tell("cells around vertices", decisions_.vertex_cells,
-               decisions_.vertex_cells ? render::VertexCells::bytes_for(view_, threads_) : 0);
+    plan_.tell("cells around vertices", decided_.vertex_cells,
+               decided_.vertex_cells ? render::VertexCells::bytes_for(view_, threads_) : 0);
     boundary();
+    if (is_first_)
+      beside_meshes();
+  }
+
+private:
+  /// What a frame has once, whatever its meshes.
+  void beside_meshes() {
     bodies();
     outline();
     plan_.tell("lighting of surfaces", decisions_.surface_lighting);
@@ -72,7 +81,6 @@ public:
       plan_.need("clips", -1, std::to_string(frame_.clips.size()) + " of them");
   }
 
-private:
   void skip(std::initializer_list<const char*> items, const char* why) {
     for (const char* item : items)
       plan_.skip(item, why);
@@ -98,7 +106,7 @@ private:
   }
 
   void boundary() {
-    if (!frame_.boundary) {
+    if (!layer_.boundary) {
       skip({"face table", "boundary faces"}, "no boundary is asked for");
       return;
     }
@@ -106,7 +114,7 @@ private:
                        "while the boundary is found", Held::while_executed);
     plan_.need("boundary faces", render::TriangleMesh::bytes_about(mesh_.sampler()),
                "about, as of a mesh that fills its box; kept while the geometry holds");
-    pass(decisions_.boundary);
+    pass(decided_.boundary);
   }
 
   void bodies() {
@@ -245,20 +253,23 @@ private:
   }
 
   const Frame& frame_;
+  const FrameLayer& layer_;
   const FrameSettingsMaker& settings_;
   const FrameDecisions& decisions_;
+  const LayerDecisions& decided_;
   const commit::CommittedMesh& mesh_;
   const mesh::MeshView& view_;
   const core::Threads& threads_;
   Plan& plan_;
+  bool is_first_;
 };
 
 } // namespace
 
-void plan_frame(const Frame& frame, const FrameSettingsMaker& settings,
+void plan_frame(const Frame& frame, std::size_t layer, const FrameSettingsMaker& settings,
                 const FrameDecisions& decisions, const commit::CommittedMesh& mesh,
                 const core::Threads& threads, Plan& plan) {
-  FramePlanner(frame, settings, decisions, mesh, threads, plan).run();
+  FramePlanner(frame, layer, settings, decisions, mesh, threads, plan).run();
 }
 
 } // namespace insitu::scene

@@ -31,6 +31,11 @@ double step_of(insitu_accuracy accuracy) {
   return 0.25;
 }
 
+double diagonal(const mesh::Box& box) {
+  const math::Vec3d size = box.size();
+  return std::sqrt(dot(size, size));
+}
+
 render::Lighting lighting(const Frame& frame, const FrameDecisions& decisions) {
   render::Lighting to;
   to.enabled = decisions.lit;
@@ -54,9 +59,9 @@ FrameSettingsMaker::FrameSettingsMaker(const Frame& frame, const Environment& en
 }
 
 render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
-                                               render::Structures& structures,
-                                               const RangesByColor* ranges) const {
-  const From from{structures, ranges};
+                                               const From& from) const {
+  const FrameLayer& layer = frame_.layers[from.layer];
+  const LayerDecisions& decided = decisions.layers[from.layer];
   render::FrameSettings settings;
   settings.width = frame_.size[0];
   settings.height = frame_.size[1];
@@ -66,20 +71,26 @@ render::FrameSettings FrameSettingsMaker::make(const FrameDecisions& decisions,
   settings.cell = decisions.cell.made;
   settings.depth = decisions.depth.made;
   settings.lighting = lighting(frame_, decisions);
+  if (from.all && settings.lighting.occlusion_samples > 0 && !frame_.occlusion.distance)
+    settings.lighting.occlusion_distance = 0.1 * diagonal(*from.all);
   settings.clips = frame_.clips;
-  if (frame_.volume)
-    settings.volume = volume(from, *frame_.volume, *decisions.volume);
+  if (layer.volume)
+    settings.volume = volume(from, *layer.volume, *decided.volume);
   if (frame_.path_tracing)
     settings.path_tracing = *frame_.path_tracing;
-  for (std::size_t i = 0; i < frame_.isosurfaces.size(); ++i)
-    settings.isosurfaces.push_back(
-        isosurface(from, frame_.isosurfaces[i], decisions.isosurfaces[i]));
-  if (frame_.boundary)
-    settings.boundary = {frame_.boundary->opacity,
-                         surface_color(from, frame_.boundary->color, decisions.boundary)};
+  for (std::size_t i = 0; i < layer.isosurfaces.size(); ++i)
+    settings.isosurfaces.push_back(isosurface(from, layer.isosurfaces[i], decided.isosurfaces[i]));
+  if (layer.boundary)
+    settings.boundary = {layer.boundary->opacity,
+                         surface_color(from, layer.boundary->color, decided.boundary)};
+  if (!from.is_first)
+    return settings;
   settings.bodies = bodies_;
-  if (frame_.outline)
-    settings.outline = {frame_.outline->color, frame_.outline->width, {}};
+  if (frame_.outline) {
+    settings.outline = {frame_.outline->color, frame_.outline->width};
+    if (from.all)
+      settings.outline->box = *from.all;
+  }
   return settings;
 }
 
@@ -152,12 +163,13 @@ render::VolumeSettings FrameSettingsMaker::volume(const From& made_of, const Vol
   render::ScalarField field = decisions.coloring.field;
   if (decisions.average)
     field = made_of.structures.average(field).field();
-  render::VolumeSettings to{field,
-                            function,
-                            frame_.step * step_of(frame_.accuracy),
-                            std::nullopt,
-                            from.unit_distance.value_or(0.0),
-                            frame_.accuracy};
+  render::VolumeSettings to{
+      field,
+      function,
+      frame_.step * step_of(frame_.accuracy),
+      std::nullopt,
+      from.unit_distance.value_or(made_of.all ? 0.01 * diagonal(*made_of.all) : 0.0),
+      frame_.accuracy};
   to.preintegrated = decisions.preintegration.made;
   to.shading = decisions.shading.made;
   if (decisions.step_levels)
@@ -260,15 +272,14 @@ render::Camera placed_along(const Camera& camera, double place, const Bounds& bo
 
 } // namespace
 
-render::Camera FrameSettingsMaker::camera(const Camera& from, const commit::CommittedMesh& mesh,
+render::Camera FrameSettingsMaker::camera(const Camera& from, const Scenery& scenery,
                                           const Step& step, std::int64_t drawn) const {
-  const mesh::Box box = mesh.sampler().facts().bounds;
-  const Bounds bounds{box.low, box.high, aspect_of(frame_)};
+  const Bounds bounds{scenery.box.low, scenery.box.high, aspect_of(frame_)};
   const double place = from.path_by_time ? step.time : double(step.cycle);
   const bool is_placed = (from.path.empty() ? from.position : from.path[0].position).has_value();
   Viewpoint view = from.path.empty() || is_placed ? Viewpoint(from) : view_along(from, place);
   const bool has_angles = view.has_angles || (!from.path.empty() && from.path[0].has_angles);
-  if (mesh.is_flat() && !has_angles && !from.on_earth) {
+  if (scenery.is_flat && !has_angles && !from.on_earth) {
     view.azimuth = -90; // north is up
     view.elevation = 90;
   }

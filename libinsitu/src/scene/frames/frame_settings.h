@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "mesh/box.h"
 #include "render/frame.h"
 #include "scene/frames/frame_decisions.h"
 #include "scene/run/environment.h"
@@ -23,12 +24,25 @@ public:
   /// core::Error. frame must outlive this.
   FrameSettingsMaker(const Frame& frame, const Environment& environment);
 
+  /// What the settings of a mesh are made of besides the frame and what it decided.
+  struct From {
+    std::size_t layer; ///< of Frame::layers
+    render::Structures& structures;
+    /// Of all processes where there are several; null: of the structures' mesh.
+    const RangesByColor* ranges = nullptr;
+    /// Around all meshes that are drawn, of a frame of several; null: there is one.
+    const mesh::Box* all = nullptr;
+    bool is_first = true; ///< of those that are drawn: it gets the bodies and the outline
+  };
   /// Makes all settings but the camera. What they point to lives until the structures' next end().
-  /// ranges: of all processes where there are several; null: of the structures' mesh.
-  render::FrameSettings make(const FrameDecisions& decisions, render::Structures& structures,
-                             const RangesByColor* ranges = nullptr) const;
+  render::FrameSettings make(const FrameDecisions& decisions, const From& from) const;
+  /// What cameras look at.
+  struct Scenery {
+    mesh::Box box;
+    bool is_flat = false;
+  };
   /// One of the frame's cameras at a step. drawn: frames so far, for orbits.
-  render::Camera camera(const Camera& camera, const commit::CommittedMesh& mesh, const Step& step,
+  render::Camera camera(const Camera& camera, const Scenery& scenery, const Step& step,
                         std::int64_t drawn) const;
 
   /// Returns the colours of what the frame colours by a field, read from their files.
@@ -38,11 +52,6 @@ public:
 
 private:
   render::ColorMap color_map(const ColorMapChoice& colors) const;
-  /// What settings are made of besides the frame.
-  struct From {
-    render::Structures& structures;
-    const RangesByColor* ranges;
-  };
   render::TransferFunction transfer(const From& from, const Coloring& coloring,
                                     const std::vector<OpacityPoint>& opacity = {}) const;
   std::variant<render::Color, render::ColorByField>

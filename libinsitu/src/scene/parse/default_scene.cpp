@@ -8,8 +8,8 @@ SceneDescription default_scene(const std::string& scalar_field, const std::strin
   scene.trigger.every = 10;
   Frame frame;
   frame.name = "frame";
-  frame.mesh.text = mesh;
-  frame.volume.emplace().field.text = scalar_field;
+  frame.layers[0].mesh.text = mesh;
+  frame.layers[0].volume.emplace().field.text = scalar_field;
   frame.scalar_bar.emplace();
   frame.time_label.emplace();
   frame.trigger = scene.trigger;

@@ -186,9 +186,16 @@ enum class ImageFormat { png, exr };
 /// `name`, `name_depth`, `name_cell`: what files of that image begin with.
 std::string image_stem(const std::string& name, ImageKind kind);
 
+/// What a frame shows of one mesh: at least one of these, unless it is the frame's only mesh.
+struct FrameLayer {
+  Name mesh; ///< empty: the first mesh of the session
+  std::optional<Volume> volume;
+  std::vector<Isosurface> isosurfaces;
+  std::optional<Boundary> boundary;
+};
+
 struct Frame {
   std::string name;                     ///< of the images, `name_000120.png`; unique in the scene
-  Name mesh;                            ///< empty: the first mesh of the session
   std::array<int, 2> size{1024, 1024};  ///< width, height
   int samples_per_pixel = 1;            ///< rays, whose colours are averaged
   std::optional<Geocentric> geocentric; ///< nothing: drawn in its own coordinates
@@ -198,10 +205,9 @@ struct Frame {
   std::vector<NamedCamera> cameras; ///< instead of `camera`, unless empty; names are unique
   std::vector<ImageKind> images{ImageKind::color}; ///< at least one, each once
   std::vector<ImageFormat> formats{ImageFormat::png};
-  /// A frame has at least one of these.
-  std::optional<Volume> volume;
-  std::vector<Isosurface> isosurfaces;
-  std::optional<Boundary> boundary;
+  /// Of the meshes that it shows; of a frame without `meshes` the only one. A frame has something
+  /// in one of them, bodies or an outline.
+  std::vector<FrameLayer> layers = std::vector<FrameLayer>(1);
   std::vector<Body> bodies;
   std::optional<BoxOutline> outline;
   std::vector<render::Light> lights;           ///< none: a white one from the viewer
@@ -226,8 +232,10 @@ struct Frame {
 /// Returns the frame's `cameras`, or else its `camera`, without a name.
 std::vector<NamedCamera> cameras_of(const Frame& frame);
 
-/// What a frame colours by fields: its volume, its isosurfaces, its boundary, as far as it has them
-/// and they have no colour of their own. The pointers point into the frame.
+/// What is coloured by fields of a mesh: its volume, its isosurfaces, its boundary, as far as they
+/// are there and have no colour of their own. The pointers point into the layer.
+std::vector<const ColorBy*> colorings_of(const FrameLayer& layer);
+/// Of all meshes.
 std::vector<const ColorBy*> colorings_of(const Frame& frame);
 
 } // namespace insitu::scene

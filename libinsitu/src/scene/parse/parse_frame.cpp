@@ -110,17 +110,75 @@ void parse_views(const MapReader& map, Frame& frame) {
   }
 }
 
-/// What is drawn, and by which light.
-void parse_drawn(const MapReader& map, const ParseContext& context, Frame& frame) {
+FrameLayer parse_layer(const MapReader& map, const ParseContext& context) {
+  FrameLayer layer;
+  if (const auto mesh = map.find("mesh")) {
+    assign(layer.mesh, parse_name(*mesh));
+  }
   if (const auto volume = map.find("volume")) {
-    frame.volume = parse_volume(*volume, context);
+    layer.volume = parse_volume(*volume, context);
   }
   if (const auto surfaces = map.find("isosurfaces")) {
-    frame.isosurfaces = parse_isosurfaces(*surfaces, context);
+    layer.isosurfaces = parse_isosurfaces(*surfaces, context);
   }
   if (const auto boundary = map.find("boundary")) {
-    frame.boundary = parse_boundary(*boundary, context);
+    layer.boundary = parse_boundary(*boundary, context);
   }
+  return layer;
+}
+
+/// Whether the map of a frame or of one of its meshes asks for something of the mesh, be it wrong.
+bool shows_mesh(const MapReader& map) {
+  const auto surfaces = map.find("isosurfaces");
+  return map.has("volume") || map.has("boundary") ||
+         (surfaces && !(surfaces->is_list() && surfaces->node().items.empty()));
+}
+
+std::vector<FrameLayer> parse_layers(const Cursor& cursor, const ParseContext& context) {
+  std::vector<FrameLayer> layers;
+  const auto items = cursor.items();
+  if (items && items->empty()) {
+    cursor.fail("at least one mesh expected");
+  }
+  for (const Cursor& item : items ? *items : std::vector<Cursor>{}) {
+    const MapReader map(item, {"mesh", "volume", "isosurfaces", "boundary"});
+    (void)map.require("mesh");
+    layers.push_back(parse_layer(map, context));
+    if (map && !shows_mesh(map)) {
+      item.fail("nothing of the mesh is drawn; give it a 'volume', 'isosurfaces' or a 'boundary'");
+    }
+  }
+  return layers;
+}
+
+/// Several meshes, or the one of the frame itself.
+void parse_meshes(const MapReader& map, const ParseContext& context, Frame& frame) {
+  const auto meshes = map.find("meshes");
+  if (!meshes) {
+    frame.layers = {parse_layer(map, context)};
+    return;
+  }
+  for (const char* key : {"mesh", "volume", "isosurfaces", "boundary"}) {
+    if (const auto own = map.find(key)) {
+      own->fail("a frame with 'meshes' has it in their list");
+    }
+  }
+  if (frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule)) {
+    meshes->fail("a frame with 'meshes' has neither 'globe' nor 'graticule'");
+  }
+  if (std::count(frame.images.begin(), frame.images.end(), ImageKind::cell) > 0) {
+    meshes->fail("a frame with 'meshes' has no image of cells, which would not tell whose they "
+                 "are");
+  }
+  std::vector<FrameLayer> layers = parse_layers(*meshes, context);
+  if (!layers.empty()) {
+    frame.layers = std::move(layers);
+  }
+}
+
+/// What is drawn, and by which light.
+void parse_drawn(const MapReader& map, const ParseContext& context, Frame& frame) {
+  parse_meshes(map, context, frame);
   if (const auto bodies = map.find("bodies")) {
     frame.bodies = parse_bodies(*bodies, context);
   }
@@ -150,9 +208,7 @@ void parse_frame_effects(const MapReader& map, Frame& frame) {
 }
 
 void check_draws_something(const MapReader& map, const Frame& frame) {
-  const auto surfaces = map.find("isosurfaces");
-  if (map && !map.has("volume") && !frame.boundary && frame.bodies.empty() && !frame.outline &&
-      (!surfaces || (surfaces->is_list() && frame.isosurfaces.empty()))) {
+  if (map && !shows_mesh(map) && !map.has("meshes") && frame.bodies.empty() && !frame.outline) {
     map.cursor().fail("the frame draws nothing; give it a 'volume', 'isosurfaces', 'boundary', "
                       "'bodies' or 'outline'");
   }
@@ -176,21 +232,30 @@ std::vector<NamedCamera> cameras_of(const Frame& frame) {
   return frame.cameras.empty() ? std::vector{NamedCamera{"", frame.camera}} : frame.cameras;
 }
 
-std::vector<const ColorBy*> colorings_of(const Frame& frame) {
+std::vector<const ColorBy*> colorings_of(const FrameLayer& layer) {
   std::vector<const ColorBy*> all;
   const auto add = [&](const SurfaceColor& color) {
     if (const auto* by = std::get_if<ColorBy>(&color)) {
       all.push_back(by);
     }
   };
-  if (frame.volume) {
-    all.push_back(&*frame.volume);
+  if (layer.volume) {
+    all.push_back(&*layer.volume);
   }
-  for (const Isosurface& surface : frame.isosurfaces) {
+  for (const Isosurface& surface : layer.isosurfaces) {
     add(surface.color);
   }
-  if (frame.boundary) {
-    add(frame.boundary->color);
+  if (layer.boundary) {
+    add(layer.boundary->color);
+  }
+  return all;
+}
+
+std::vector<const ColorBy*> colorings_of(const Frame& frame) {
+  std::vector<const ColorBy*> all;
+  for (const FrameLayer& layer : frame.layers) {
+    const std::vector<const ColorBy*> some = colorings_of(layer);
+    all.insert(all.end(), some.begin(), some.end());
   }
   return all;
 }
@@ -198,24 +263,21 @@ std::vector<const ColorBy*> colorings_of(const Frame& frame) {
 Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   Frame frame;
   frame.line = cursor.line();
-  const MapReader map(cursor, {"name",       "mesh",
-                               "size",       "background",
-                               "camera",     "cameras",
-                               "images",     "format",
-                               "volume",     "isosurfaces",
-                               "boundary",   "bodies",
-                               "outline",    "lights",
-                               "clip",       "scalar_bar",
-                               "time_label", "axes",
-                               "effects",    "path_tracing",
-                               "geocentric", "accuracy",
-                               "step",       "every",
-                               "when",       "samples_per_pixel",
-                               "compositing"});
+  const MapReader map(cursor, {"name",        "mesh",
+                               "size",        "background",
+                               "camera",      "cameras",
+                               "images",      "format",
+                               "volume",      "isosurfaces",
+                               "boundary",    "bodies",
+                               "outline",     "lights",
+                               "clip",        "scalar_bar",
+                               "time_label",  "axes",
+                               "effects",     "path_tracing",
+                               "geocentric",  "accuracy",
+                               "step",        "every",
+                               "when",        "samples_per_pixel",
+                               "compositing", "meshes"});
   parse_item_name(map, context, frame.name);
-  if (const auto mesh = map.find("mesh")) {
-    assign(frame.mesh, parse_name(*mesh));
-  }
   if (const auto size = map.find("size")) {
     parse_size(*size, frame.size);
   }

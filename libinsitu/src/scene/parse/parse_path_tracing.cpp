@@ -59,7 +59,8 @@ std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
   const auto map = frame.find("path_tracing");
   if (frame && (single || multiple || map) && !frame.has("volume")) {
     const Cursor& at = map ? *map : frame.cursor();
-    at.fail("path tracing needs a 'volume'");
+    at.fail(frame.has("meshes") ? "a frame with 'meshes' is not path traced"
+                                : "path tracing needs a 'volume'");
   }
   if (single && multiple) {
     frame.cursor().fail("'single_scattering' is part of 'multiple_scattering'; give one of them");

@@ -12,7 +12,7 @@ ProbeAction::ProbeAction(const Probe& probe, const Environment& environment)
     : probe_(probe), environment_(environment),
       attached_(environment.world, environment.context.threads), tables_(probe, environment) {}
 
-void ProbeAction::plan(const commit::CommittedMesh& mesh, Plan& plan) const {
+void ProbeAction::plan(const commit::CommittedMesh& mesh, MeshList /*meshes*/, Plan& plan) const {
   std::string fields;
   for (const Name& name : probe_.fields)
     fields += (fields.empty() ? "'" : ", '") + name.text + "'";

@@ -28,7 +28,7 @@ public:
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override;
   bool serves_held_steps() const override { return !moves(); }
   void finish() override { tables_.finish(); }
-  void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
+  void plan(const commit::CommittedMesh& mesh, MeshList meshes, Plan& plan) const override;
   std::string state_name() const override;
   void meet_checkpoint(const commit::CommittedMesh* mesh) override;
   void keep(core::Archive& archive) override;

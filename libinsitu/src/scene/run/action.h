@@ -59,9 +59,9 @@ public:
   /// of the checkpoint in the action's mesh; not if the checkpoint does not have the mesh. Not
   /// collective.
   virtual void take_up_cells(const std::shared_ptr<const KeptCells>& /*cells*/) {}
-  /// Adds to the plan what the action needs of the mesh beyond the tree, and what it does without.
-  /// May throw as execute() does.
-  virtual void plan(const commit::CommittedMesh& mesh, Plan& plan) const = 0;
+  /// Adds to the plan what the action needs of the mesh beyond the tree, and what it does without;
+  /// the same of others of the session's that it needs besides. May throw as execute() does.
+  virtual void plan(const commit::CommittedMesh& mesh, MeshList meshes, Plan& plan) const = 0;
   /// Returns what became of the particles of the action; an empty optional means that it has no
   /// particles.
   virtual std::optional<advect::Counts> particles() const { return std::nullopt; }

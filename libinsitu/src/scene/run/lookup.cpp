@@ -42,6 +42,16 @@ commit::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::s
                                             core::did_you_mean(name.text, names));
 }
 
+commit::CommittedMesh& find_host_mesh(MeshList meshes, const Name& name,
+                                      const std::string& scene_file) {
+  commit::CommittedMesh& mesh = find_mesh(meshes, name, scene_file);
+  if (mesh.lies_on_device())
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "mesh '" + mesh.mesh().name() +
+                          "' lies in device memory; scenes read host memory");
+  return mesh;
+}
+
 mesh::FieldView find_field(const commit::CommittedMesh& mesh, const Name& name,
                            const std::string& scene_file) {
   return at_line_of(name, scene_file, [&] { return mesh.mesh().field(name.text); });

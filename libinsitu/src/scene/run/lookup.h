@@ -18,6 +18,10 @@ std::string at_line(const std::string& scene_file, int line);
 /// if there is no such mesh.
 commit::CommittedMesh& find_mesh(MeshList meshes, const Name& name, const std::string& scene_file);
 
+/// The same, and throws INSITU_ERROR_UNSUPPORTED for a mesh in device memory.
+commit::CommittedMesh& find_host_mesh(MeshList meshes, const Name& name,
+                                      const std::string& scene_file);
+
 /// Returns the field of that name. If there is none, the message of the error starts with
 /// "file:line: ".
 mesh::FieldView find_field(const commit::CommittedMesh& mesh, const Name& name,

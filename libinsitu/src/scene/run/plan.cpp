@@ -88,11 +88,11 @@ std::int64_t Plan::bytes() const {
 
 std::string Plan::text() const {
   std::string text;
-  const std::string* of = nullptr;
+  const Entry* before = nullptr;
   for (const Entry& e : entries_) {
-    if (!of || *of != e.of)
+    if (!before || before->of != e.of || before->mesh != e.mesh)
       text += (e.of.empty() ? "" : e.of + " of ") + "mesh '" + e.mesh + "'\n";
-    of = &e.of;
+    before = &e;
     std::string line = e.needed ? "  needed   " : "  skipped  ";
     line += e.item;
     pad(line, 52);

@@ -208,13 +208,8 @@ std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
 void Runner::execute(Action& action, const Step& step, bool& any_due) {
   parallel::World& world = environment_.world;
   commit::CommittedMesh* mesh = nullptr;
-  world.agree_after([&] {
-    mesh = &find_mesh(step.meshes, action.mesh_name(), environment_.scene_file);
-    if (mesh->lies_on_device())
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "mesh '" + mesh->mesh().name() +
-                            "' lies in device memory; scenes read host memory");
-  });
+  world.agree_after(
+      [&] { mesh = &find_host_mesh(step.meshes, action.mesh_name(), environment_.scene_file); });
   const bool due = is_due(action, *mesh, step);
   any_due = any_due || due;
   if (world.size() > 1)
@@ -318,7 +313,7 @@ Plan Runner::plan(MeshList meshes) const {
       const commit::CommittedMesh& mesh =
           find_mesh(meshes, action->mesh_name(), environment_.scene_file);
       plan.begin(of, mesh.mesh().name());
-      action->plan(mesh, plan);
+      action->plan(mesh, meshes, plan);
     } catch (const core::Error& e) {
       plan.skip("all of it", e.what());
     }

@@ -39,7 +39,7 @@ std::string TracerAction::state_name() const {
   return text + ")";
 }
 
-void TracerAction::plan(const commit::CommittedMesh& mesh, Plan& plan) const {
+void TracerAction::plan(const commit::CommittedMesh& mesh, MeshList /*meshes*/, Plan& plan) const {
   const mesh::MeshView& view = mesh.mesh().view();
   if (tracer_.attached != Attached::body && mesh.mesh().has_field(tracer_.velocity.text) &&
       mesh.mesh().field(tracer_.velocity.text).has_blanks)

@@ -27,7 +27,7 @@ public:
   const Trigger& trigger() const override { return tracer_.trigger; }
   const Name& mesh_name() const override { return tracer_.mesh; }
 
-  void plan(const commit::CommittedMesh& mesh, Plan& plan) const override;
+  void plan(const commit::CommittedMesh& mesh, MeshList meshes, Plan& plan) const override;
   std::string state_name() const final;
 
   commit::PeriodicAxes periodic_axes() const final;

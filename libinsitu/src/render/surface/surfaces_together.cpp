@@ -1,0 +1,60 @@
+#include "render/surface/surfaces_together.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace insitu::render {
+
+namespace {
+
+/// Surfaces of two meshes that touch lie at one place but for rounding, so their order would change
+/// from pixel to pixel: within this part of the distance the earlier mesh is in front.
+constexpr double same_place = 1e-9;
+
+/// Puts hits of a further mesh among those that are there; both end with the first opaque one.
+void put_among(std::vector<SurfaceHit>& hits, const std::vector<SurfaceHit>& further,
+               std::vector<SurfaceHit>& scratch) {
+  scratch.clear();
+  const auto add = [&](const SurfaceHit& hit) {
+    if (scratch.empty() || scratch.back().opacity < 1)
+      scratch.push_back(hit);
+  };
+  auto next = further.begin();
+  for (const SurfaceHit& hit : hits) {
+    for (; next != further.end() && next->t < hit.t - same_place * std::fabs(hit.t); ++next)
+      add(*next);
+    add(hit);
+  }
+  for (; next != further.end(); ++next)
+    add(*next);
+  hits.swap(scratch);
+}
+
+} // namespace
+
+void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,
+                    std::span<IsosurfaceTile* const> tiles, SurfaceCounts& counts) {
+  thread_local std::vector<std::vector<SurfaceHit>> all; // these two for the thread's life
+  thread_local std::vector<SurfaceHit> scratch;
+  if (all.size() < rays.size())
+    all.resize(rays.size());
+  for (std::size_t r = 0; r < rays.size(); ++r)
+    all[r].clear();
+  for (std::size_t layer = 0; layer < surfaces.size(); ++layer) {
+    surfaces[layer]->find(rays, tiles[layer], counts);
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      for (SurfaceHit& hit : rays[r].hits)
+        hit.layer = std::int32_t(layer);
+      put_among(all[r], rays[r].hits, scratch);
+      rays[r].hits.clear();
+    }
+  }
+  for (std::size_t r = 0; r < rays.size(); ++r)
+    rays[r].hits.swap(all[r]);
+  for (const Surfaces* const of : surfaces)
+    of->light(rays, counts);
+  for (const Surfaces* const of : surfaces)
+    of->add_lines(rays);
+}
+
+} // namespace insitu::render

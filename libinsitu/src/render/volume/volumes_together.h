@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include "render/volume/volume.h"
+
+namespace insitu::render {
+
+/// As VolumeMarcher::start() and march() of several volumes, two or more. Where stretches of
+/// several lie in one place their optical depths add up, and so does what they emit: of depths
+/// t and colours c, the opacity is 1 - exp(-sum t) and the colour sum(t c) / sum t. A stretch that
+/// another one or a hit cuts has an optical depth in proportion to the length. An opaque one hides
+/// those in its place that are not.
+VolumeCounts march_together(std::span<const VolumeMarcher* const> volumes, std::span<RayState> rays,
+                            int row);
+
+/// What it makes of a ray, whose hits are in order, and of the stretches of each volume.
+void blend_together(RayState& ray, std::span<const std::span<const VolumeStretch>> volumes);
+
+} // namespace insitu::render

@@ -1,0 +1,106 @@
+#include "scene/frames/frame_drawing.h"
+
+#include <algorithm>
+
+#include "output/annotate/overlay.h"
+#include "scene/frames/cinema_table.h"
+
+namespace insitu::scene {
+
+namespace {
+
+std::string title_of(const ScalarBar& bar, const ColorBy& by) {
+  const std::string title = bar.title.empty() ? by.field.text : bar.title;
+  return bar.unit.empty() ? title : title + " (" + bar.unit + ")";
+}
+
+void draw_bar(const Frame& frame, const Drawing& drawing, output::Overlay overlay,
+              core::Image& image) {
+  for (const DrawnMesh& drawn : drawing.meshes) {
+    const std::vector<const ColorBy*> by = colorings_of(frame.layers[drawn.layer]);
+    if (by.empty())
+      continue;
+    overlay.names_nan = by.front()->colors.nan.has_value();
+    output::draw_scalar_bar(image, *functions_of(drawn.settings).front(),
+                            title_of(*frame.scalar_bar, *by.front()), overlay);
+    return;
+  }
+}
+
+} // namespace
+
+FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes) {
+  FrameSettingsMaker::Scenery all{meshes.front().mesh->sampler().facts().bounds, true};
+  for (const DrawnMesh& drawn : meshes) {
+    all.box.extend(drawn.mesh->sampler().facts().bounds);
+    all.is_flat = all.is_flat && drawn.mesh->is_flat();
+  }
+  return all;
+}
+
+render::FrameImages draw_here(const Drawing& drawing, const core::Threads& threads,
+                              render::FrameStatistics* done) {
+  std::vector<query::Sampler> samplers;
+  std::vector<std::int64_t> located;
+  for (const DrawnMesh& drawn : drawing.meshes) {
+    samplers.push_back(drawn.mesh->sampler());
+    located.push_back(drawn.mesh->located());
+  }
+  std::vector<render::FrameLayer> layers;
+  for (std::size_t i = 0; i < samplers.size(); ++i)
+    layers.push_back({samplers[i], drawing.meshes[i].settings, *drawing.meshes[i].structures});
+  render::FrameImages images = render::render_frame(layers, threads, done);
+  for (std::size_t i = 0; i < samplers.size(); ++i) {
+    const commit::CommittedMesh& mesh = *drawing.meshes[i].mesh;
+    mesh.note_drawn(mesh.located() - located[i]);
+  }
+  return images;
+}
+
+void draw_overlays(const Frame& frame, const Drawing& drawing, const output::BoxTicks& ticks,
+                   core::Image& image) {
+  const render::FrameSettings& settings = drawing.first().settings;
+  output::Overlay overlay;
+  overlay.background = settings.background;
+  output::draw_box_labels(image, ticks, overlay);
+  if (drawing.decisions.scalar_bar)
+    draw_bar(frame, drawing, overlay, image);
+  if (frame.axes)
+    output::draw_axes(image, render::CameraAxes(settings.camera), overlay);
+  if (frame.time_label)
+    output::draw_time_label(image, (*frame.time_label)(drawing.step.time, drawing.step.cycle),
+                            overlay);
+}
+
+void count_as_the_solver(const DrawnMesh& drawn, const core::Threads& threads,
+                         render::FrameImages& images) {
+  const render::FrameSettings& settings = drawn.settings;
+  const render::RayGenerator rays(settings.camera, settings.width, settings.height);
+  threads.parallel_for(settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y)
+      for (int x = 0; x < settings.width; ++x) {
+        const auto at = std::size_t(y * settings.width + x);
+        if (images.cell[at] < 0)
+          continue;
+        const render::Ray ray = rays(x, int(y));
+        const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
+        images.cell[at] = drawn.mesh->own({images.cell[at], {}}, p).cell;
+      }
+  });
+}
+
+std::vector<std::pair<std::string, ValueRange>> ranges_of(const Frame& frame,
+                                                          const Drawing& drawing) {
+  std::vector<std::pair<std::string, ValueRange>> ranges;
+  for (const DrawnMesh& drawn : drawing.meshes) {
+    const FrameLayer& layer = frame.layers[drawn.layer];
+    const std::vector<const ColorBy*> by = colorings_of(layer);
+    const std::vector<const render::TransferFunction*> functions = functions_of(drawn.settings);
+    for (std::size_t i = 0; i < by.size(); ++i)
+      ranges.emplace_back(range_label(frame, layer, *by[i]),
+                          ValueRange{functions[i]->low(), functions[i]->high()});
+  }
+  return ranges;
+}
+
+} // namespace insitu::scene

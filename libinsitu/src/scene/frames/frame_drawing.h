@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "output/annotate/box_ticks.h"
+#include "render/processes/frame_part.h"
+#include "scene/frames/frame_on_all.h"
+#include "scene/frames/frame_settings.h"
+
+namespace insitu::scene {
+
+/// A mesh that a frame draws in a cycle.
+struct DrawnMesh {
+  std::size_t layer;           ///< of Frame::layers
+  commit::CommittedMesh* own;  ///< the solver's mesh
+  commit::CommittedMesh* mesh; ///< the mesh that is drawn
+  render::Structures* structures = nullptr;
+  render::FrameSettings settings = {}; ///< the camera and what follows it are set for each image
+};
+
+/// The images of one cycle.
+struct Drawing {
+  const Step& step;
+  const FrameDecisions& decisions;
+  std::vector<DrawnMesh> meshes; ///< at least one
+  /// Of several processes, which draw one mesh; null: there is one.
+  const render::FramePart* part = nullptr;
+  const FrameKeys* keys = nullptr;
+
+  DrawnMesh& first() { return meshes.front(); }
+  const DrawnMesh& first() const { return meshes.front(); }
+};
+
+/// What cameras look at: around all meshes, flat if all of them are.
+FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes);
+
+/// Draws the frame's images; not collective.
+render::FrameImages draw_here(const Drawing& drawing, const core::Threads& threads,
+                              render::FrameStatistics* done);
+
+/// Draws what stands over the image: the outline's numbers, scalar bar, axes, time label.
+void draw_overlays(const Frame& frame, const Drawing& drawing, const output::BoxTicks& ticks,
+                   core::Image& image);
+
+/// Makes cells that stand in for the solver's those of the solver that are seen.
+void count_as_the_solver(const DrawnMesh& drawn, const core::Threads& threads,
+                         render::FrameImages& images);
+
+/// The ranges of the frame's colours, for the table.
+std::vector<std::pair<std::string, ValueRange>> ranges_of(const Frame& frame,
+                                                          const Drawing& drawing);
+
+} // namespace insitu::scene
