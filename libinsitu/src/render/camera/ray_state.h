@@ -84,7 +84,7 @@ struct RayState {
   void blend(const Color& c, float a) { blend_behind(color, alpha, c, a); }
   /// A medium in a cell that absorbs a of the light over a stretch of the ray.
   void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
-    if (keeps_stretches)
+    if (keeps_stretches && a > 0 && to > from)
       stretches.push_back({from, to, a, c});
     const float before = alpha;
     blend(c, a);
