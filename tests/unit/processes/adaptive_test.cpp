@@ -121,9 +121,8 @@ void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t
     EXPECT_GE(expected.size(), files);
     for (const auto& [processes, kind] :
          {std::pair(2, 0), std::pair(3, 2), std::pair(4, 1), std::pair(8, 3)})
-      if (processes != 3 || how == INSITU_DUAL)
-        expect_same(expected, run_amr(whole, how, processes, deal_of(kind, processes), scene),
-                    "deal " + std::to_string(kind) + " on " + std::to_string(processes));
+      expect_same(expected, run_amr(whole, how, processes, deal_of(kind, processes), scene),
+                  "deal " + std::to_string(kind) + " on " + std::to_string(processes));
   }
 }
 
@@ -131,19 +130,19 @@ void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t
 
 /// By both reconstructions; the leaves regrid between the steps that are held.
 TEST(ProcessAdaptive, HeldSteps) {
-  const std::string scene =
+  const std::string base =
       "insitu: 1\npage: false\nhold: {steps: 3}\n"
       "probes:\n"
       "  - {name: line, points: {line: {from: [-0.2, 0.3, 0.1], to: [4.1, 3.7, 3.9], count: 60}},\n"
       "     fields: [s, v], outside: nearest}\n"
       "frames:\n"
-      "  - {name: seen, size: [24, 24], isosurfaces: [{field: s, values: [0.3]}]}\n"
       "  - {name: inside, size: [24, 24], volume: {field: s}}\n";
   for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
+    const std::string scene =
+        base + "  - {name: seen, size: [24, 24], " +
+        (how == INSITU_DUAL ? "isosurfaces: [{field: s, values: [0.3]}]" : "boundary: {}") + "}\n";
     std::map<std::string, std::string> expected;
     for (const auto& [processes, kind] : {std::pair(1, 0), std::pair(2, 0), std::pair(3, 2)}) {
-      if (processes == 3 && how == INSITU_NEAREST)
-        continue; // as in expect_one()
       const OwnFolder folder;
       const std::string out = folder / "out";
       const Deal deal = deal_of(kind, processes);
@@ -198,8 +197,25 @@ TEST(ProcessAdaptive, Frames) {
       "  - {name: smoke, size: [32, 24], images: [color, cell],\n"
       "     volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]}}\n"
       "  - {name: light, size: [20, 18], volume: {field: s, opacity: [[-1, 0.05], [1, 0.8]]},\n"
-      "     effects: [single_scattering], path_tracing: {samples: 2}}\n",
-      INSITU_NEAREST, 9);
+      "     effects: [single_scattering], path_tracing: {samples: 2}}\n"
+      "  - {name: skin, size: [24, 24], boundary: {color: {field: s}}}\n",
+      INSITU_NEAREST, 12);
+}
+
+/// Values jump from leaf to leaf; what was drawn hung on how leaves are stored.
+TEST(ProcessAdaptive, NoIsosurfacesByNearest) {
+  for (const int processes : {1, 2}) {
+    const OwnFolder folder;
+    run_processes(processes, [&](parallel::World& world) {
+      AmrSession process(world, octree(), INSITU_NEAREST, deal_of(0, processes),
+                         "insitu: 1\npage: false\nframes:\n"
+                         "  - {name: surfaces, size: [8, 8], isosurfaces: [{field: s, values: "
+                         "[0.3]}]}\n",
+                         folder / "out");
+      const std::string failure = process.execute(0);
+      EXPECT_NE(failure.find("reconstruction is `nearest`"), std::string::npos) << failure;
+    });
+  }
 }
 
 TEST(ProcessAdaptive, Tracers) {

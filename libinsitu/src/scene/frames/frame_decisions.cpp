@@ -178,6 +178,10 @@ LayerDecisions decide_layer(const Frame& frame, const FrameLayer& layer, bool li
   d.vertex_cells = sums_over_cells(d)
                        ? Decision{true, "for vertex averages and gradients"}
                        : Decision{false, "neither averages nor gradients at vertices are needed"};
+  if (d.vertex_cells.made && facts.has_values_of_leaves)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "isosurfaces and smooth volumes of an adaptive mesh whose reconstruction is "
+                      "`nearest`: its values jump from leaf to leaf; with `dual` they do not");
   return d;
 }
 
@@ -204,6 +208,8 @@ FrameFacts facts_of(const Frame& frame, const commit::CommittedMesh& mesh,
   };
   facts.has_stand_in = mesh.mesh().has_stand_in() && !frame.geocentric;
   facts.has_primitives = facts.has_stand_in && query::CulledCells::serves(mesh.sampler());
+  facts.has_values_of_leaves =
+      mesh.mesh().is_adaptive() && mesh.mesh().reconstruction() == INSITU_NEAREST;
   return facts;
 }
 

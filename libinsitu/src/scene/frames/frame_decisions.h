@@ -21,6 +21,7 @@ struct FrameFacts {
   std::function<render::ScalarField(const Name&, const Component&)> scalar;
   bool has_stand_in = false;   ///< whether other cells are drawn in the place of the solver's
   bool has_primitives = false; ///< whether these cells are primitives that can be culled
+  bool has_values_of_leaves = false; ///< adaptive by `nearest`: values jump, vertices have none
 };
 
 /// The fields that a frame names.
