@@ -39,9 +39,10 @@ TEST(SceneErrors, Version) {
 }
 
 TEST(SceneErrors, Top) {
-  EXPECT_EQ(error_of("framse: []"), "s.yaml:2: key 'framse' is unknown in the scene; did you mean "
-                                    "'frames'? (keys: insitu, output, page, locator, "
-                                    "checkpoint, record, every, when, probes, tracers, frames)");
+  EXPECT_EQ(error_of("framse: []"),
+            "s.yaml:2: key 'framse' is unknown in the scene; did you mean "
+            "'frames'? (keys: insitu, output, page, locator, "
+            "checkpoint, record, hold, every, when, probes, tracers, frames)");
   EXPECT_HAS(error_of("output:"), "output: a text expected, nothing found");
   EXPECT_HAS(error_of("every: -1"), "every: an integer from 1 to 1000000000 expected, '-1' found");
   EXPECT_HAS(error_of("every: 1.5"), "'1.5' found");
