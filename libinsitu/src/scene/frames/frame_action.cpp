@@ -157,15 +157,15 @@ private:
     });
     complete_averages(decisions.layers[0], mesh, *structures, world);
     const RangesByColor ranges = frame_ranges(decisions.layers[0], *structures, world);
-    render::FrameSettings settings;
+    Drawing drawing{step, decisions, {}, &part, &keys};
     world.agree_after([&] {
-      settings = settings_.make(decisions, {0, *structures, &ranges});
+      drawing.meshes.push_back(
+          {0, &own, &mesh, structures, settings_.make(decisions, {0, *structures, &ranges})});
       if (in_place.copies)
-        end_at_chart(mesh, settings);
+        end_at_chart(mesh, drawing.first().settings);
     });
-    note_exact(settings, step);
-    draw({step, decisions, {{0, &own, &mesh, structures, std::move(settings)}}, &part, &keys},
-         timer);
+    note_exact(drawing.first().settings, step);
+    draw(std::move(drawing), timer);
   }
 
   /// began: with the work on this drawing.
