@@ -15,6 +15,7 @@ frames:
     size: [320, 200]
     camera: {azimuth: -70, elevation: 35, fit: box}
     effects: [lighting, shadows]
+    step: 0.1 # fine, else samples show as rings on the curved outside of the water
     meshes:
       - mesh: water
         volume: {field: temperature, range: [10, 60], opacity: [[10, 0.005], [60, 0.06]]}

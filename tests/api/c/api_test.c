@@ -364,36 +364,8 @@ static void test_faces(void) {
   EXPECT(insitu_session_close(&session) == INSITU_OK);
 }
 
-/* The values of steps that are held, after the solver's array has others. */
-static void test_held(void) {
-  insitu_session session = open_session();
-  insitu_mesh mesh = register_mesh(session);
-  const double middle[3] = {0.5, 0.5, 0.5};
-  double value = 0;
-  int64_t held[2] = {-1, -1};
-  int32_t count = 1;
-  int cycle, i;
-  EXPECT(insitu_session_hold(session, 2) == INSITU_OK);
-  for (cycle = 0; cycle < 3; ++cycle) {
-    for (i = 0; i < 12; ++i)
-      field[i] = 10 * cycle + points[i][0];
-    EXPECT(insitu_mesh_changed(mesh, INSITU_CHANGED_FIELDS) == INSITU_OK);
-    EXPECT(insitu_session_execute(session, cycle, 0.5 * cycle) == INSITU_OK);
-  }
-  EXPECT(insitu_session_held(session, held, &count) == INSITU_OK);
-  EXPECT(count == 2 && held[0] == 1 && held[1] == -1); /* there was room for one */
-  EXPECT(insitu_session_show(session, 1) == INSITU_OK);
-  EXPECT(insitu_mesh_sample_point(mesh, "f", middle, &value, NULL) == INSITU_OK && value == 10.5);
-  EXPECT(insitu_session_show(session, 0) == INSITU_ERROR_ARGUMENT);
-  EXPECT(strstr(insitu_last_message(), "those held are 1 2") != NULL);
-  EXPECT(insitu_session_show(session, INSITU_LIVE) == INSITU_OK);
-  EXPECT(insitu_mesh_sample_point(mesh, "f", middle, &value, NULL) == INSITU_OK && value == 20.5);
-  EXPECT(insitu_session_close(&session) == INSITU_OK);
-}
-
 int main(void) {
   test_answers();
-  test_held();
   test_faces();
   test_reasons();
   test_audit();

@@ -1,5 +1,6 @@
-/* Checkpoint and restart through the C API: tracks go on to the byte, two checkpoints of the same
- * state are the same file, and what does not fit is refused by name. Run in a folder of its own. */
+/* Checkpoint, restart and steps that are held, through the C API: tracks go on to the byte, two
+ * checkpoints of the same state are the same file, and what does not fit is refused by name. Run in
+ * a folder of its own. */
 #include <insitu/insitu.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,6 +76,28 @@ static int same_files(const char* a, const char* b) {
   return same;
 }
 
+/* The values of steps that are held, after the solver's array has others. */
+static void test_held(void) {
+  const double origin[3] = {0, 0, 0};
+  double value[3] = {0, 0, 0};
+  int64_t held[2] = {-1, -1};
+  int32_t count = 1;
+  insitu_mesh mesh;
+  insitu_session session = open_session("held", &mesh);
+  EXPECT(insitu_session_hold(session, 2) == INSITU_OK);
+  run(session, mesh, 8, 10);
+  EXPECT(insitu_session_held(session, held, &count) == INSITU_OK);
+  EXPECT(count == 2 && held[0] == 9 && held[1] == -1); /* there was room for one */
+  EXPECT(insitu_session_show(session, 9) == INSITU_OK);
+  EXPECT(insitu_mesh_sample_point(mesh, "u", origin, value, NULL) == INSITU_OK);
+  EXPECT(value[2] > 0.1186 && value[2] < 0.1188); /* 0.3 * 0.9^3 - 0.1 */
+  EXPECT_ERROR(insitu_session_show(session, 8), INSITU_ERROR_ARGUMENT, "those held are 9 10");
+  EXPECT(insitu_session_show(session, INSITU_LIVE) == INSITU_OK);
+  EXPECT(insitu_mesh_sample_point(mesh, "u", origin, value, NULL) == INSITU_OK);
+  EXPECT(value[2] > 0.1999 && value[2] < 0.2001);
+  EXPECT(insitu_session_close(&session) == INSITU_OK);
+}
+
 int main(void) {
   insitu_mesh mesh;
   insitu_session session;
@@ -111,5 +134,6 @@ int main(void) {
   EXPECT(same_files("after_6", "after_restart"));
   EXPECT(same_files("whole.csv", "whole/t.csv"));
   EXPECT(same_files("whole.nc", "whole/t.nc"));
+  test_held();
   return failures;
 }

@@ -9,19 +9,13 @@
 
 #include "insitu/insitu.hpp"
 
+#include "fixtures/hexahedra.h"
+
 namespace {
 
 /// A solver of a lattice of n^3 cubes, which may bend, with a field that changes.
 struct Solver {
-  explicit Solver(int cells) : n(cells) {
-    for (int k = 0; k < n; ++k)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) {
-          const std::int64_t m = n + 1, v = i + m * (j + m * k);
-          for (const std::int64_t id : {v, v + 1, v + 1 + m, v + m, v + m * m, v + m * m + 1,
-                                        v + m * m + m + 1, v + m * m + m})
-            ids.push_back(id);
-        }
+  explicit Solver(int cells) : n(cells), ids(insitu::fixtures::lattice_hexahedra(cells)) {
     set(0.0, 0.0);
   }
   void set(double time, double bend) {

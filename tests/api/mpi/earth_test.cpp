@@ -4,13 +4,11 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <insitu/insitu.hpp>
-#include <iterator>
-#include <map>
 #include <string>
 #include <vector>
 
+#include "api/mpi/files.h"
 #include "api/mpi/main.h"
 
 namespace {
@@ -74,15 +72,6 @@ void run(const Columns& part, const MPI_Comm* comm, const std::string& output) {
   session.execute(0, 0.0);
 }
 
-std::map<std::string, std::string> files_of(const std::string& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(in), {}};
-  }
-  return files;
-}
-
 } // namespace
 
 TEST(EarthOverMpi, FramesOverTheSeamAreThoseOfOneProcess) {
@@ -98,11 +87,7 @@ TEST(EarthOverMpi, FramesOverTheSeamAreThoseOfOneProcess) {
   run(Columns(across * rank() / size(), across * (rank() + 1) / size()), &world, together);
   if (rank() > 0)
     return;
-  const auto expected = files_of(alone), found = files_of(together);
-  EXPECT_GE(expected.size(), 4u);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, text] : expected)
-    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
+  expect_same_files(alone, together, 4);
 }
 
 int main(int argc, char** argv) {

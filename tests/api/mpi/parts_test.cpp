@@ -4,14 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <insitu/insitu.hpp>
-#include <iterator>
-#include <map>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "api/mpi/files.h"
 #include "api/mpi/main.h"
 #include "api/mpi/slab.h"
 
@@ -96,24 +94,6 @@ void run(Slab& slab, const MPI_Comm* comm, const std::string& output, const Cycl
   }
   if (!cycles.state.empty())
     session.checkpoint(cycles.state);
-}
-
-std::map<std::string, std::string> files_of(const std::string& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream in(entry.path(), std::ios::binary);
-    files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(in), {}};
-  }
-  return files;
-}
-
-/// least: so many files there are.
-void expect_same_files(const std::string& folder, const std::string& other, std::size_t least) {
-  const auto expected = files_of(folder), found = files_of(other);
-  EXPECT_GE(expected.size(), least);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, text] : expected)
-    EXPECT_TRUE(found.contains(name) && found.at(name) == text) << name;
 }
 
 /// Compares the files of all processes together, of which one may be slow.

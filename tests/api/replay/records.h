@@ -8,26 +8,20 @@
 #include "insitu/insitu.hpp"
 
 #include "arrays.h"
+#include "fixtures/hexahedra.h"
 #include "held.h"
 
 namespace records {
 
 /// A lattice of n^3 cubes of side 1/n, shifted along x.
 struct Lattice {
-  explicit Lattice(int cells, double shift = 0.0, double bend = 0.0) : n(cells) {
+  explicit Lattice(int cells, double shift = 0.0, double bend = 0.0)
+      : n(cells), ids(insitu::fixtures::lattice_hexahedra(cells)) {
     for (int k = 0; k <= n; ++k)
       for (int j = 0; j <= n; ++j)
         for (int i = 0; i <= n; ++i) {
           const double x = double(i) / n + shift, y = double(j) / n, z = double(k) / n;
           points.insert(points.end(), {x + bend * y * z, y + bend * x * z, z});
-        }
-    for (int k = 0; k < n; ++k)
-      for (int j = 0; j < n; ++j)
-        for (int i = 0; i < n; ++i) {
-          const std::int64_t m = n + 1, v = i + m * (j + m * k);
-          for (const std::int64_t id : {v, v + 1, v + 1 + m, v + m, v + m * m, v + m * m + 1,
-                                        v + m * m + m + 1, v + m * m + m})
-            ids.push_back(id);
         }
   }
   std::vector<double> field(double time) const {

@@ -31,6 +31,19 @@ void expect_owners(const CommittedFaces& m, const std::vector<Vec3d>& points) {
   }
 }
 
+/// Owners of points of all sorts are those of the definition, and the box from `low` to `high`,
+/// which lies in the mesh, is filled: what is not in a cell would be found in none.
+void expect_filled(const CommittedFaces& m, const Vec3d& low, const Vec3d& high, int hard,
+                   std::uint64_t seed) {
+  EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
+  const mesh::MeshView& view = m.mesh.mesh().view();
+  expect_owners(m, test::hard_points(view, hard, seed));
+  expect_owners(m, test::inner_points(view, hard / 2, seed + 1));
+  Random random(seed + 2);
+  for (int i = 0; i < 4000; ++i)
+    ASSERT_GE(m.owner(random.uniform(low, high)), 0);
+}
+
 /// Each cell's number of parts.
 std::vector<int> part_counts(const CommittedFaces& m) {
   std::vector<int> counts(std::size_t(m.mesh.mesh().own_view().cell_count()), 0);
@@ -67,49 +80,28 @@ TEST(Polyhedra, OctahedraAreCutAroundTheirCentres) {
   for (const double jitter : {0.0, 0.15}) {
     const FaceMesh mesh = fixtures::octahedra(3, jitter);
     const CommittedFaces m(mesh);
-    EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
     for (const int count : part_counts(m))
       ASSERT_EQ(count, 6 + 8 * 6); // a pyramid a square, six tetrahedra a hexagon
-    const mesh::MeshView& view = m.mesh.mesh().view();
-    expect_owners(m, test::hard_points(view, 600, 4));
-    expect_owners(m, test::inner_points(view, 300, 5));
-    std::vector<Vec3d> corners(mesh.vertices.begin(), mesh.vertices.end());
-    expect_owners(m, corners);
-    // Space in the middle is filled once: what is not in a cell would be found in none.
-    Random random(6);
-    for (int i = 0; i < 4000; ++i)
-      ASSERT_GE(m.owner(random.uniform({1, 1, 1}, {7, 7, 7})), 0);
+    expect_filled(m, {1, 1, 1}, {7, 7, 7}, 600, 4);
+    expect_owners(m, mesh.vertices);
   }
 }
 
 TEST(Polyhedra, HexahedraCutAtPlanes) {
   const FaceMesh mesh = fixtures::cut_hexahedra(4, 5);
   const CommittedFaces m(mesh);
-  EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
   const std::vector<int> counts = part_counts(m);
   EXPECT_GT(std::ranges::count_if(counts, [](int n) { return n > 1; }), 30);
   EXPECT_GT(std::ranges::count(counts, 1), 10);
-  const mesh::MeshView& view = m.mesh.mesh().view();
-  expect_owners(m, test::hard_points(view, 800, 7));
-  expect_owners(m, test::inner_points(view, 400, 8));
-  Random random(9);
-  for (int i = 0; i < 4000; ++i)
-    ASSERT_GE(m.owner(random.uniform({0, 0, 0}, {4, 4, 4})), 0);
+  expect_filled(m, {0, 0, 0}, {4, 4, 4}, 800, 7);
 }
 
 // As polyDualMesh makes them; a corner of the box that one tetrahedron has leaves a dual cell of a
 // few faces only.
 TEST(Polyhedra, DualsOfTetrahedra) {
-  const FaceMesh mesh = fixtures::dual_of(
-      test::make_mesh({.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11));
-  const CommittedFaces m(mesh);
-  EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
-  const mesh::MeshView& view = m.mesh.mesh().view();
-  expect_owners(m, test::hard_points(view, 300, 12));
-  expect_owners(m, test::inner_points(view, 200, 13));
-  Random random(14);
-  for (int i = 0; i < 4000; ++i)
-    ASSERT_GE(m.owner(random.uniform({0.6, 0.6, 0.6}, {3.4, 3.4, 3.4})), 0);
+  const CommittedFaces m(fixtures::dual_of(
+      test::make_mesh({.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11)));
+  expect_filled(m, {0.6, 0.6, 0.6}, {3.4, 3.4, 3.4}, 300, 12);
 }
 
 // Points on faces, edges and vertices, within roundings of them, have one owner: the lowest of all

@@ -126,6 +126,16 @@ void expect_opacity(const std::map<std::string, std::string>& files, const std::
   EXPECT_EQ(images, 4) << frame;
 }
 
+/// check(ring, files): of frames of each ring, in one process.
+template <class Check>
+void on_each_ring(const std::string& frames, Check&& check) {
+  for (const Ring& ring : rings) {
+    SCOPED_TRACE(ring.name);
+    const TestMesh mesh = mesh_of(ring);
+    check(ring, drawn(mesh, frames, fixtures::slabs(mesh, 1)));
+  }
+}
+
 } // namespace
 
 /// Half of the light is left after a turn, by samples, pre-integrated, with a tolerance and lit.
@@ -139,13 +149,10 @@ TEST(EarthVolume, ATurnHasTheLengthOfATurn) {
   const std::string frames = frame("samples", ", preintegrated: false") + frame("integrals", "") +
                              frame("held", ", tolerance: 0.002") + frame("lit", ", shading: true");
   const double longer = std::sqrt(1 + 0.1 * 0.1);
-  for (const Ring& ring : rings) {
-    SCOPED_TRACE(ring.name);
-    const TestMesh mesh = mesh_of(ring);
-    const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+  on_each_ring(frames, [&](const Ring&, const auto& files) {
     for (const char* const name : {"samples", "integrals", "held", "lit"})
       expect_opacity(files, name, 0.5, 1 - std::pow(0.5, longer), 1);
-  }
+  });
 }
 
 /// Six levels a turn, though cells with one of them are there twice, of vertices and of averages
@@ -160,16 +167,13 @@ TEST(EarthVolume, SurfacesOfATurnAreMetOnce) {
                              looks +
                              ",\n     isosurfaces: [{field: d, values: [0], opacity: 0.1, normals: "
                              "smooth}]}\n";
-  for (const Ring& ring : rings) {
-    SCOPED_TRACE(ring.name);
-    const TestMesh mesh = mesh_of(ring);
-    const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+  on_each_ring(frames, [&](const Ring& ring, const auto& files) {
     const double six = 1 - std::pow(0.9, 6);
     expect_opacity(files, "levels", six, six, 1);
     expect_opacity(files, "rays", six, six, 1);
     if (ring.wraps) // the column at the other end is another one
       expect_opacity(files, "averages", six, six, 1);
-  }
+  });
 }
 
 /// A surface 10 degrees east of the seam is lit as one 120 degrees further on, in the same cells.
@@ -198,14 +202,11 @@ TEST(EarthVolume, TheSeamIsNoBoundary) {
       "  - {name: above, size: [35, 15], background: transparent, boundary: {opacity: 0.1},\n"
       "     camera: {position: [180, 0, 90], look_at: [180, 0, 0], up: [0, 1, 0], orthographic: "
       "150}}\n";
-  for (const Ring& ring : rings) {
-    SCOPED_TRACE(ring.name);
-    const TestMesh mesh = mesh_of(ring);
-    const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+  on_each_ring(frames, [&](const Ring& ring, const auto& files) {
     const double walls = ring.wraps ? 0.0 : 1 - 0.9 * 0.9;
     expect_opacity(files, "walls", walls, walls, 1);
     expect_opacity("above", files.at("above_000000.png"), 1 - 0.9 * 0.9, 1);
-  }
+  });
 }
 
 /// Of paths half go through: 3 standard deviations of 32,768 paths.
@@ -216,15 +217,12 @@ TEST(EarthVolume, PathsGoThroughATurn) {
       "     volume: {field: p, range: [-9, 9], opacity: [[-999, 0.5], [999, 0.5]], "
       "unit_distance: 360},\n"
       "     effects: [multiple_scattering], path_tracing: {samples: 128}}\n";
-  for (const Ring& ring : rings) {
-    SCOPED_TRACE(ring.name);
-    const TestMesh mesh = mesh_of(ring);
-    const auto files = drawn(mesh, frames, fixtures::slabs(mesh, 1));
+  on_each_ring(frames, [&](const Ring&, const auto& files) {
     const output::PngImage image = image_of(files.at("paths_000000.png"));
     double sum = 0;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
         sum += image.pixel(x, y)[3] / 255.0;
     EXPECT_NEAR(sum / (16 * 16), 0.5, 3 * 0.5 / std::sqrt(128.0 * 16 * 16));
-  }
+  });
 }

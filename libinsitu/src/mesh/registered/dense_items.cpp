@@ -44,25 +44,31 @@ const std::byte* dense_items(const std::vector<ExternalArray>& arrays) {
   return dense ? a.data : nullptr;
 }
 
-void read_layers(const insitu_patch& patch, std::int64_t before[3], std::int64_t after[3]) {
+insitu_patch as_read(insitu_patch patch) {
   for (int a = 0; a < 3; ++a) {
-    before[a] = std::min(patch.ghosts_before[a], 1);
-    after[a] = std::min(patch.ghosts_after[a], 1);
+    patch.ghosts_before[a] = std::min(patch.ghosts_before[a], 1);
+    patch.ghosts_after[a] = std::min(patch.ghosts_after[a], 1);
   }
+  return patch;
+}
+
+std::array<std::int64_t, 3> extent_with_ghosts(const insitu_patch& patch) {
+  std::array<std::int64_t, 3> extent{};
+  for (std::size_t a = 0; a < 3; ++a)
+    extent[a] = patch.cells[a] + patch.ghosts_before[a] + patch.ghosts_after[a];
+  return extent;
 }
 
 std::vector<ExternalArray> with_read_layers(std::vector<ExternalArray> arrays,
                                             const insitu_patch& patch) {
-  std::int64_t before[3], after[3], size[3];
-  read_layers(patch, before, after);
-  for (int a = 0; a < 3; ++a)
-    size[a] = patch.cells[a] + before[a] + after[a];
-  if (std::equal(size, size + 3, patch.cells))
+  const insitu_patch read = as_read(patch);
+  const std::array<std::int64_t, 3> size = extent_with_ghosts(read);
+  if (std::equal(size.begin(), size.end(), patch.cells))
     return arrays;
   for (ExternalArray& array : arrays) { // from the first ghost on
     ItemLayout& layout = array.layout;
     for (int a = 0; a < 3; ++a)
-      array.data -= before[a] * layout.stride[a];
+      array.data -= read.ghosts_before[a] * layout.stride[a];
     layout.count = size[0] * size[1] * size[2];
     layout.extent[0] = size[0];
     layout.extent[1] = size[1];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,10 +20,12 @@ void copy_dense(const std::vector<ExternalArray>& arrays, std::int64_t begin, st
 /// Where the items lie, if it is side by side; else null.
 const std::byte* dense_items(const std::vector<ExternalArray>& arrays);
 
-/// The layers of ghosts of a patch that the library reads: one, where there are any.
-void read_layers(const insitu_patch& patch, std::int64_t before[3], std::int64_t after[3]);
+/// A patch with the layers of ghosts that the library reads: one, where there are any.
+insitu_patch as_read(insitu_patch patch);
+/// Its cells and these layers, along each axis.
+std::array<std::int64_t, 3> extent_with_ghosts(const insitu_patch& patch);
 
-/// Arrays of a patch's cells with these layers.
+/// Arrays of a patch's cells with the layers of as_read().
 std::vector<ExternalArray> with_read_layers(std::vector<ExternalArray> arrays,
                                             const insitu_patch& patch);
 

@@ -11,16 +11,15 @@ namespace {
 
 constexpr std::int64_t item_grain = 1 << 14; ///< items a task
 
-/// The cells of a patch within an array that has read_layers() around them.
+/// The cells of a patch, as read, within an array that has its layers around them.
 insitu_array within_layers(insitu_array array, const insitu_patch& patch) {
-  std::int64_t before[3], after[3];
-  read_layers(patch, before, after);
+  const std::array<std::int64_t, 3> extent = extent_with_ghosts(patch);
   std::int64_t first = 0, stride = std::int64_t(size_of(array.type)) * array.components;
   for (int a = 0; a < 3; ++a) {
-    first += before[a] * stride;
+    first += patch.ghosts_before[a] * stride;
     array.extent[a] = patch.cells[a];
     array.stride[a] = stride;
-    stride *= patch.cells[a] + before[a] + after[a];
+    stride *= extent[std::size_t(a)];
   }
   array.count = patch.cells[0] * patch.cells[1] * patch.cells[2];
   array.data = static_cast<const std::byte*>(array.data) + first;
@@ -83,11 +82,7 @@ void give_cells(insitu_block block, const Named& arrays, std::int32_t p, Mesh& t
 
 void give_amr(const AmrPiece& piece, const Named& arrays, std::int32_t p, Mesh& to) {
   if (piece.kind == AmrPiece::Kind::patch) {
-    insitu_patch patch = piece.patch;
-    for (int a = 0; a < 3; ++a) {
-      patch.ghosts_before[a] = std::min(patch.ghosts_before[a], 1);
-      patch.ghosts_after[a] = std::min(patch.ghosts_after[a], 1);
-    }
+    const insitu_patch patch = as_read(piece.patch);
     to.set_patch(p, &patch);
     return;
   }
@@ -198,7 +193,7 @@ ValuesGiven::ValuesGiven(const Mesh& from, core::Memory& memory, const core::Thr
       insitu_array array = copies_.copy(
           is_patch ? with_read_layers(field.arrays, piece.amr.patch) : field.arrays, threads);
       if (is_patch)
-        array = within_layers(array, piece.amr.patch);
+        array = within_layers(array, as_read(piece.amr.patch));
       values_.push_back({p, field.name, field.association, array});
     }
   }

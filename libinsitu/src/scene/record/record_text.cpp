@@ -87,13 +87,12 @@ private:
 
   void write_amr(const mesh::AmrPiece& piece) {
     if (piece.kind == mesh::AmrPiece::Kind::patch) {
-      std::int64_t before[3], after[3];
-      mesh::read_layers(piece.patch, before, after);
-      json_.value("patch").key("level").value(piece.patch.level);
-      numbers("lower", piece.patch.lower);
-      numbers("cells", piece.patch.cells);
-      numbers("ghosts_before", before);
-      numbers("ghosts_after", after);
+      const insitu_patch patch = mesh::as_read(piece.patch);
+      json_.value("patch").key("level").value(patch.level);
+      numbers("lower", patch.lower);
+      numbers("cells", patch.cells);
+      numbers("ghosts_before", patch.ghosts_before);
+      numbers("ghosts_after", patch.ghosts_after);
       return;
     }
     json_.value("leaves").key("corner_bits").value(piece.corner_bits);
