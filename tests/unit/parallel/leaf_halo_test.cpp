@@ -85,6 +85,30 @@ struct Process : test::PartOfMesh<test::AmrPart> {
   }
 };
 
+/// What a process's cells and its halo's say of points, the latter without their owner: whichever
+/// process answers, its bits are those of all. Told one by one, as tracers ask, and all together.
+std::vector<Answer> answers_here(Process& process, std::span<const Vec3d> points, bool together) {
+  const query::Sampler sampler = process.mesh.own_sampler();
+  std::vector<query::Location> at(points.size());
+  if (together)
+    sampler.locate(process.threads, points, at, {}, {});
+  else
+    for (std::size_t i = 0; i < points.size(); ++i)
+      at[i] = sampler.locate(points[i], i > 0 ? at[i - 1].cell : -1);
+  std::vector<Answer> answers(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!at[i])
+      continue;
+    answers[i].cell = at[i].cell;
+    answers[i].rank = process.world.rank();
+    answers[i].parametric = at[i].parametric;
+    const std::vector<mesh::FieldView> fields{process.mesh.mesh().field("s"),
+                                              process.mesh.mesh().field("v")};
+    sampler.interpolate(fields, at[i], answers[i].values);
+  }
+  return answers;
+}
+
 void expect_same(const std::vector<Answer>& expected, const std::vector<Answer>& found,
                  std::span<const Vec3d> points, const std::string& what) {
   int differ = 0;
@@ -152,6 +176,47 @@ void check(const Recipe& recipe, insitu_reconstruction how, std::initializer_lis
                 recipe.name() + ", deal " + std::to_string(deal_kind) + " on " + std::to_string(n) +
                     (how == INSITU_NEAREST ? ", nearest" : ", dual"));
   }
+}
+
+/// Points inside of cells: of those that a halo lacks some may hold points on faces.
+void check_halo(const Recipe& recipe, insitu_reconstruction how, int processes, int deal_kind) {
+  AmrMesh whole = test::make_mesh(recipe);
+  const std::vector<Vec3d> all = hard_points(whole, 2000);
+  const std::span<const Vec3d> points = std::span(all).last(2000);
+  const auto one = [](std::size_t, const Vec3d&) { return 0; };
+  for (const bool together : {false, true}) {
+    std::vector<Answer> expected;
+    test::run_processes(1, [&](parallel::World& world) {
+      Process process(whole, how, one, world);
+      expected = answers_here(process, points, together);
+    });
+    const test::Deal deal = deal_of(whole, deal_kind, processes, 0);
+    std::vector<std::vector<Answer>> found(static_cast<std::size_t>(processes));
+    test::run_processes(processes, [&](parallel::World& world) {
+      Process process(whole, how, deal, world);
+      found[std::size_t(world.rank())] = answers_here(process, points, together);
+    });
+    for (const std::vector<Answer>& here : found) {
+      std::vector<Answer> there = expected;
+      for (std::size_t i = 0; i < there.size(); ++i)
+        if (here[i].cell < 0)
+          there[i] = here[i];
+        else
+          there[i].cell = here[i].cell;
+      expect_same(there, here, points,
+                  recipe.name() + ", halo, deal " + std::to_string(deal_kind) + " on " +
+                      std::to_string(processes) + (together ? ", together" : ", one by one"));
+    }
+  }
+}
+
+TEST(LeafHalo, HaloCellsAnswerAsTheirOwners) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
+    for (int deal = 0; deal < 3; ++deal)
+      for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST})
+        check_halo({seed, 0, 2, 3}, how, 4, deal);
+  for (const int kind : {1, 2, 3, 4, 5})
+    check_halo({2, kind, 3, 3}, INSITU_DUAL, 3, 2);
 }
 
 TEST(LeafHalo, OctreesAreAsOnOneProcess) {

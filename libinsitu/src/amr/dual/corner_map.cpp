@@ -149,7 +149,8 @@ void CornerMap::build(const std::vector<DualPart>& parts,
   cells_.resize_discard(count);
   for_cells(parts, threads, [&](const CornerCell& c, std::size_t part) {
     const std::size_t at = rank(brick_of(c), layer_of(c), bit_of(c));
-    cells_[at] = Entry({c.kind, std::uint32_t(first_cell[part]) + c.cell});
+    const bool is_here = c.cell != CornerCell::not_here;
+    cells_[at] = Entry({c.kind, is_here ? std::uint32_t(first_cell[part]) + c.cell : c.cell});
   });
 }
 

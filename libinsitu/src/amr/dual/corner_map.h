@@ -51,12 +51,16 @@ struct CornerKind {
   static constexpr std::uint8_t first_box = 1 + 8 * most_up, first_other = first_box + 27;
 };
 
-/// The stitching cell at a corner of its depth's lattice; see Corner.
+/// The stitching cell at a corner of its depth's lattice; see Corner. Its kind is told of corners
+/// around this process's cells, too, at which others have cells: points take the same way to their
+/// cells, and have the same coordinates there, on all processes.
 struct CornerCell {
+  static constexpr std::uint32_t not_here = UINT32_MAX;
+
   std::int32_t corner[3];
   std::uint8_t depth;
   CornerKind kind;
-  std::uint32_t cell; ///< of its part's stitching cells
+  std::uint32_t cell; ///< of its part's stitching cells, or not_here
 };
 
 /// Which stitching cell stands at a corner: a bit a corner, in bricks of 8x8x8, and a cell a bit.
@@ -87,8 +91,9 @@ public:
 
   struct Found {
     CornerKind kind;
-    std::uint32_t cell = 0; ///< a stitching cell
+    std::uint32_t cell = 0; ///< a stitching cell, or CornerCell::not_here
     explicit operator bool() const { return bool(kind); }
+    bool is_here() const { return cell != CornerCell::not_here; }
   };
   Found find(int depth, const std::int64_t* corner) const {
     const std::uint32_t b = tables_[std::size_t(depth)].find(BrickStore::key_of(corner));

@@ -103,6 +103,7 @@ DualParts make_dual_parts(const BrickStore& store, const mesh::Lattice& lattice,
   Real which(real);
   if (shared) {
     which.near = shared->mesh.near_cell_count();
+    which.outermost = shared->outermost;
     which.with_places = true;
   }
   DualParts out;

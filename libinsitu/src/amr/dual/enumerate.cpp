@@ -61,6 +61,14 @@ bool touches_virtual(const Corner& corner, std::int64_t real) {
   return false;
 }
 
+CornerCell corner_cell(const Corner& corner, std::uint32_t cell) {
+  return {
+      {std::int32_t(corner.index[0]), std::int32_t(corner.index[1]), std::int32_t(corner.index[2])},
+      std::uint8_t(corner.depth),
+      CornerKind::of(corner),
+      cell};
+}
+
 void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t first_virtual,
               bool is_wanted, DualCells& cells, DualPart& part) {
   DualCell cell;
@@ -68,11 +76,7 @@ void add_cell(const Corner& corner, const mesh::Lattice& lattice, std::int64_t f
   if (cells.make(corner, cell)) {
     folded = (corner.most_up > 1 || touches_virtual(corner, first_virtual)) && cells.folds();
     if (is_wanted) {
-      part.at_corners.push_back({{std::int32_t(corner.index[0]), std::int32_t(corner.index[1]),
-                                  std::int32_t(corner.index[2])},
-                                 std::uint8_t(corner.depth),
-                                 CornerKind::of(corner),
-                                 std::uint32_t(part.cells.size())});
+      part.at_corners.push_back(corner_cell(corner, std::uint32_t(part.cells.size())));
       part.cells.push_back(cell);
     }
   } else {
@@ -122,11 +126,15 @@ void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
     for (int k = 0; k < 9; ++k)
       for (int j = 0; j < 9; ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
-          if (around.take(store, std::countr_zero(row), j, k, corner) && real.counts(corner)) {
+          if (!around.take(store, std::countr_zero(row), j, k, corner))
+            continue;
+          if (real.counts(corner)) {
             const std::size_t first = part.cells.size();
             add_cell(corner, lattice, real.end, is_wanted(), cells, part);
             if (real.with_places)
               add_places(corner, around, first, part);
+          } else if (DualCell cell; real.knows(corner) && cells.make(corner, cell)) {
+            part.at_corners.push_back(corner_cell(corner, CornerCell::not_here));
           }
         }
   }

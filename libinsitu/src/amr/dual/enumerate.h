@@ -55,17 +55,32 @@ struct Real {
   std::int64_t near = 0; ///< corners of leaves from here on alone do not count, others' do
   const VirtualLeaves* made = nullptr; ///< the virtual ones, if there are any
   bool with_places = false;            ///< of cells
+  /// A bit for each leaf from `near` on: not all that lies around it is known. Null: there are
+  /// none.
+  const std::uint64_t* outermost = nullptr;
 
   Real(std::int64_t real) : end(real), near(real) {}
 
   bool counts(const Corner& corner) const {
-    for (int o = 0; o < 8 && near < end; ++o)
+    return near >= end || touches(corner, [&](std::int64_t leaf) { return leaf < near; });
+  }
+  /// Whether all leaves around a corner that does not count are known.
+  bool knows(const Corner& corner) const {
+    return touches(corner, [&](std::int64_t leaf) {
+      return (outermost[(leaf - near) >> 6] >> ((leaf - near) & 63) & 1) == 0;
+    });
+  }
+
+private:
+  template <class F>
+  bool touches(const Corner& corner, F&& f) const {
+    for (int o = 0; o < 8; ++o)
       if (corner.inside >> o & 1) {
         const std::uint32_t id = corner.id[o];
-        if ((id < end ? id : made->leaves[std::size_t(id - end)].real_id) < near)
+        if (f(std::int64_t(id < end ? id : made->leaves[std::size_t(id - end)].real_id)))
           return true;
       }
-    return near >= end;
+    return false;
   }
 };
 

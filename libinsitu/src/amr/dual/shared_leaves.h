@@ -24,6 +24,8 @@ struct SharedLeaves {
   parallel::World& world;
   const mesh::AmrView& mesh;
   std::span<const LentLeaf> lent; ///< ascending
+  /// A bit for each leaf from mesh.near_cell_count() on: what lies around it is not all known.
+  const std::uint64_t* outermost;
 
   bool is_own(std::uint32_t leaf) const { return leaf < mesh.own_cell_count(); }
   /// Whose leaf it is, of the halo's.

@@ -72,6 +72,8 @@ public:
   const LeafGaps& gaps() const { return gaps_; }
   /// Which leaves of this process others have.
   std::span<const amr::LentLeaf> lent_leaves() const { return lent_leaves_; }
+  /// A bit for each leaf of the halo that does not touch this process's: it is of the last layer.
+  const std::uint64_t* outermost() const { return outermost_.data(); }
 
   /// Of the cell that is number `cell` in halo piece `piece`.
   CellName name(std::size_t piece, std::int64_t cell) const;
@@ -153,6 +155,7 @@ private:
   std::vector<mesh::AmrPieceView> leaf_views_;
   std::vector<std::uint64_t> covered_; ///< a bit a flat cell
   std::vector<amr::LentLeaf> lent_leaves_;
+  std::vector<std::uint64_t> outermost_;
   LeafGaps gaps_;
   mutable std::int64_t bytes_sent_ = 0;
 };

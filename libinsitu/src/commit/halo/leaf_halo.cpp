@@ -101,6 +101,13 @@ void Halo::find_leaves(const mesh::Mesh& mesh, parallel::World& world,
     std::ranges::sort(lent_leaves_);
     far_count_ = std::int32_t(borrowed_.size() - near_count_);
     covered_ = std::move(search.covered);
+    outermost_.assign((search.far.size() + 63) / 64, 0);
+    auto last = search.outermost.begin();
+    for (std::size_t i = 0; i < search.far.size() && last != search.outermost.end(); ++i)
+      if (search.far[i].name == last->name) {
+        outermost_[i >> 6] |= std::uint64_t(1) << (i & 63);
+        ++last;
+      }
     views_.clear();
     leaf_views_.clear();
     for (const Borrowed& b : borrowed_) {

@@ -160,6 +160,8 @@ void LeafSearch::find(int layers) {
   std::vector<ToldLeaf> frontier = near;
   for (int layer = 1; layer < layers; ++layer)
     add_layer(frontier);
+  if (layers > 1)
+    outermost = std::move(frontier);
 }
 
 /// Compared with that of the first process that has cells.

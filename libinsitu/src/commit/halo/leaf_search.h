@@ -66,6 +66,7 @@ public:
 
   std::vector<ToldLeaf> near;         ///< those that touch, by process, piece and cell
   std::vector<ToldLeaf> far;          ///< the others, in the same order
+  std::vector<ToldLeaf> outermost;    ///< of these, those of the last layer
   LeafGaps gaps;
   std::vector<std::uint64_t> covered; ///< see mesh::AmrView; empty: none
 

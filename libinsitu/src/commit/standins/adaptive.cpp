@@ -56,7 +56,7 @@ StandIn::Found Adaptive::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*/,
 
 void Adaptive::make_on_all(mesh::Mesh& mesh, parallel::World& world, const Halo& halo,
                            const IsBefore& is_before, const core::Threads& threads) {
-  const DualCells::Neighbours neighbours{world, halo.lent_leaves(), is_before};
+  const DualCells::Neighbours neighbours{world, halo.lent_leaves(), halo.outermost(), is_before};
   build(mesh, threads, &neighbours);
   is_before_ = is_before;
   is_ready_ = true;

@@ -70,7 +70,8 @@ void DualCells::build(const mesh::Mesh& mesh, const core::Threads& threads, amr:
   fields_.clear();
   std::optional<amr::SharedLeaves> shared;
   if (neighbours)
-    shared.emplace(amr::SharedLeaves{neighbours->world, mesh.adaptive(), neighbours->lent});
+    shared.emplace(amr::SharedLeaves{neighbours->world, mesh.adaptive(), neighbours->lent,
+                                     neighbours->outermost});
   dual_.build(mesh.adaptive(), threads, cubes, shared ? &*shared : nullptr);
   amr::agree_after(shared ? &*shared : nullptr, [&] {
     if (dual_.has_gridlets())

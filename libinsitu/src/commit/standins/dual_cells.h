@@ -23,6 +23,7 @@ public:
   struct Neighbours {
     parallel::World& world;
     std::span<const amr::LentLeaf> lent;
+    const std::uint64_t* outermost; ///< see amr::SharedLeaves
     /// Whether a leaf comes before another one in the order of all processes; by flat ids.
     core::FunctionRef<bool(std::uint32_t, std::uint32_t)> is_before;
   };

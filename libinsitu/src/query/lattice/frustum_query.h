@@ -39,7 +39,7 @@ public:
       return in_box(p, place, corner, found, at, reason);
     if (found.kind.is_frustum())
       return in_frustum(p, place, found.kind, corner[found.kind.axis()], at, reason, guess);
-    propose(found.cell, guess);
+    propose(found, guess);
     return false;
   }
 
@@ -81,9 +81,9 @@ private:
       reason = Reason::outside;
     }
   }
-  void propose(std::uint32_t cell, std::int64_t& guess) const {
-    if (guess < 0 && shows(cell))
-      guess = first_cell_ + cell;
+  void propose(const amr::CornerMap::Found& found, std::int64_t& guess) const {
+    if (guess < 0 && found.is_here() && shows(found.cell))
+      guess = first_cell_ + found.cell;
   }
 
   const amr::CornerMap* map_;
@@ -129,7 +129,7 @@ inline bool FrustumFinder::find_within(const math::Vec3d& p, int depth, int up, 
     found = map_->find(depth, corner);
   }
   if (found)
-    propose(found.cell, guess);
+    propose(found, guess);
   return false;
 }
 
@@ -147,6 +147,8 @@ inline bool FrustumFinder::in_box(const math::Vec3d& p, const Place& place,
       return false;
     r[a] = moves % 3 == 0 ? within : 2.0 * within;
   }
+  if (!found.is_here())
+    return false; // of another process
   at.parametric = r;
   reason = Reason::certified;
   answer(found.cell, at, reason);
@@ -191,7 +193,7 @@ bool FrustumFinder::in_frustum_along(const math::Vec3d& p, const Place& place, a
   amr::CornerMap::Found found = map_->find(depth, corner);
   if (!(found.kind == kind)) {
     if (found)
-      propose(found.cell, guess);
+      propose(found, guess);
     return false;
   }
   if (on_b || on_c) { // of the two or four frusta there the lowest id owns
@@ -217,6 +219,8 @@ bool FrustumFinder::in_frustum_along(const math::Vec3d& p, const Place& place, a
         part[c] = move_c ? 1.0 - part_c : part_c;
       }
   }
+  if (!found.is_here())
+    return false; // of another process
   // As amr/dual/dual_cells.cpp orders the vertices.
   const auto shares = [&](int a) { return (corner[a] & (leaf_width - 1)) != 0; }; // one leaf
   if (shares(b) && shares(c)) {

@@ -39,8 +39,9 @@ HWY_INLINE void solve_pack(const Patches& patches, const PatchSetup& s, int i, P
   const Doubles d;
   const RaySystem<domain == PatchDomain::simplex> system{s, i};
   const L error(hn::Load(d, s.error + i)), noise(hn::Load(d, s.noise + i)), one(1.0);
-  auto proven =
-      hn::And(hn::Le(error.v, hn::Set(d, most_error)), hn::Lt(noise.v, hn::Set(d, most_noise)));
+  const auto used = hn::FirstN(d, std::size_t(patches.count - i)); // of the others nothing is set
+  const auto proven = hn::And(used, hn::And(hn::Le(error.v, hn::Set(d, most_error)),
+                                            hn::Lt(noise.v, hn::Set(d, most_noise))));
   const L e = least(error, L(most_error)), contraction = e / (one - e);
   L r[3] = {L(0.5), L(0.5), L(0.5)}, g[3], step[3];
   system.step(r, g, step);
