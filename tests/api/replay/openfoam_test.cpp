@@ -51,11 +51,12 @@ struct OpenFoamCases : Replay {
     for (const std::string& time : times)
       fields(name, time, all);
   }
+  bool idle = false; ///< processor 1 has no cells
   /// Slabs of the case along a slanted direction, dealt to three processors.
   std::vector<FoamPart> parts() const {
     std::vector<int> processor;
     for (const FoamMesh::Point& x : centres)
-      processor.push_back(std::min(2, int((x[0] + 0.3 * x[1]) / 1.4)));
+      processor.push_back(std::min(2, (idle ? 2 : 1) * int((x[0] + 0.3 * x[1]) / 1.4)));
     return decomposed(dual, processor);
   }
   void decompose(const std::string& name, const std::vector<std::string>& times) const {
@@ -122,6 +123,54 @@ TEST_F(OpenFoamCases, ProcessorsPutTogetherAreTheWhole) {
     const FoamMesh::Point& x = centres[std::size_t(row.at("cell"))];
     ASSERT_NEAR(row.at("p"), 1 + x[0] + 2 * x[1] - x[2] + 10 * row.at("time"), 1e-5);
   }
+}
+
+TEST_F(OpenFoamCases, AProcessorWithoutCellsAddsNothing) {
+  put_scene();
+  whole("whole", {"0"});
+  idle = true;
+  decompose("parts", {"0"});
+  ASSERT_EQ(parts()[1].cells.size(), 0u);
+  for (const std::string name : {"whole", "parts"}) {
+    const Outcome o = run("--scene scene.yaml --out out_" + name + " " + name);
+    ASSERT_EQ(o.code, 0) << o.err;
+    EXPECT_EQ(o.err, "");
+  }
+  for (const char* file : {"g.csv", "t.csv", "f_000000.png"})
+    EXPECT_EQ(contents(folder / "out_parts" / file), contents(folder / "out_whole" / file)) << file;
+}
+
+/// Points that move lie in the times' folders, and so do meshes of other cells.
+TEST_F(OpenFoamCases, PointsThatMoveAndCellsThatChange) {
+  put_scene();
+  whole("whole", {"0", "0.5"});
+  decompose("parts", {"0", "0.5"});
+  const auto moved = [](FoamMesh mesh) {
+    for (FoamMesh::Point& x : mesh.points)
+      x[2] *= 1 + 0.25 * x[0];
+    return mesh;
+  };
+  moved(dual).write_points(path("whole/0.5/polyMesh"));
+  int p = 0;
+  for (const FoamPart& part : parts())
+    moved(part.mesh).write_points(path("parts/processor" + std::to_string(p++) + "/0.5/polyMesh"));
+  for (const std::string name : {"whole", "parts"}) {
+    const Outcome o = run("--scene scene.yaml --out out_" + name + " " + name);
+    ASSERT_EQ(o.code, 0) << o.err;
+  }
+  for (const char* file : {"g.csv", "t.csv", "f_000000.png", "f_000001.png"})
+    EXPECT_EQ(contents(folder / "out_parts" / file), contents(folder / "out_whole" / file)) << file;
+  EXPECT_NE(contents(path("out_whole/f_000000.png")), contents(path("out_whole/f_000001.png")));
+  // Cells of a time of their own, which tell no numbers of the whole.
+  const fs::path own = folder / "parts/processor1/0.5/polyMesh";
+  fs::copy(folder / "parts/processor1/constant/polyMesh", own,
+           fs::copy_options::recursive | fs::copy_options::skip_existing);
+  fs::remove(own / "cellProcAddressing");
+  const Outcome o = run("--scene scene.yaml --out out_other parts");
+  ASSERT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.err.find("parts/processor1/0.5/polyMesh/cellProcAddressing is not there"),
+            std::string::npos)
+      << o.err;
 }
 
 /// Without it they are pieces, on which each place has the value that it has on the whole.

@@ -58,6 +58,8 @@ struct UgridLattice {
   double x0 = 0, y0 = 0, size = 1;
   int start = 0;             ///< start_index
   bool faces_second = false; ///< connectivity is [nodes of a face][faces]
+  bool by_centres = false;   ///< which the dimension of the faces' coordinates tells
+  bool repeats = false;      ///< a triangle's last node is there twice
   bool degrees = false;
   std::vector<std::vector<int>> faces;
   std::vector<std::array<double, 2>> nodes;
@@ -106,8 +108,12 @@ public:
     file.say(mesh, {"cf_role", "mesh_topology", "node_coordinates", "Mesh_x Mesh_y",
                     "face_node_connectivity", "Mesh_nodes"});
     file.say(mesh, "topology_dimension", 2);
-    if (lattice.faces_second)
+    if (lattice.by_centres)
+      file.say(mesh, {"face_coordinates", "Mesh_xc Mesh_yc"});
+    else if (lattice.faces_second)
       file.say(mesh, {"face_dimension", "nMesh_face"});
+    file.var("Mesh_xc", {face});
+    file.var("Mesh_yc", {face});
     x_ = file.var("Mesh_x", {node});
     y_ = file.var("Mesh_y", {node});
     file.say(x_, {"units", lattice.degrees ? "degrees_east" : "m"});
@@ -142,9 +148,9 @@ public:
     const std::size_t n = lattice_.faces.size();
     std::vector<double> ids(n * most_, -999);
     for (std::size_t f = 0; f < n; ++f)
-      for (std::size_t k = 0; k < lattice_.faces[f].size(); ++k)
+      for (std::size_t k = 0; k < (lattice_.repeats ? most_ : lattice_.faces[f].size()); ++k)
         ids[lattice_.faces_second ? k * n + f : f * most_ + k] =
-            lattice_.faces[f][k] + lattice_.start;
+            lattice_.faces[f][std::min(k, lattice_.faces[f].size() - 1)] + lattice_.start;
     file.put(connectivity, ids);
   }
 

@@ -197,7 +197,7 @@ TEST_F(UgridLayers, ByDepthsWithBoundsAndWithout) {
       if (bounds)
         file.say(lev, {"bounds", "lev_bounds"});
       const int salt = out.field("salt", {out.face, dim}, "face"),
-                ignored = out.field("sand", {out.face, file.dim("sediment", 2)}, "face");
+                ignored = out.field("sand", {out.face, file.dim("sediment", 4)}, "face");
       file.say(ignored, {"units", "1"});
       out.begin({0});
       file.put(lev, {0.25, 1, 2});
@@ -225,6 +225,106 @@ TEST_F(UgridLayers, ByDepthsWithBoundsAndWithout) {
       else
         EXPECT_EQ(table[i].at("salt"), expected) << bounds << " " << i;
     }
+  }
+}
+
+/// A hexagon and a quad in layers between heights at the nodes, which the surface moves; the
+/// surface and the bottom are values of faces, and all alike.
+TEST_F(UgridLayers, OfPolygonsWithTermsOfFaces) {
+  UgridLattice lattice;
+  lattice.nodes = {{1, 0}, {3, 0}, {4, 2}, {3, 4}, {1, 4}, {0, 2}, {6, 0}, {6, 2}};
+  lattice.faces = {{0, 1, 2, 3, 4, 5}, {6, 1, 2, 7}};
+  const std::size_t nodes = lattice.nodes.size();
+  const double level[] = {-1, -0.5, 0};
+  {
+    UgridFile out(path("sea.nc"), lattice, 2, "minutes since 2000-01-01", NC_NETCDF4);
+    NcFile& file = out.file;
+    const int dim = file.dim("levels", 3), s = file.var("levels", {dim});
+    file.say(s, {"standard_name", "ocean_sigma_coordinate", "formula_terms",
+                 "sigma: levels eta: eta depth: bottom"});
+    const int eta = out.field("eta", {out.time, out.face}, "face"),
+              bottom = out.field("bottom", {out.face}, "face"),
+              f = out.field("f", {out.time, out.node, dim}, "node"),
+              g = out.field("g", {out.face, dim}, "face");
+    out.begin({0, 1});
+    std::vector<double> values;
+    for (std::size_t t = 0; t < 2; ++t)
+      for (std::size_t n = 0; n < nodes; ++n)
+        for (const double l : level)
+          values.push_back(
+              field_of(lattice.nodes[n][0], lattice.nodes[n][1], double(t) + l * (10 + double(t))));
+    file.put(s, {level[0], level[1], level[2]});
+    file.put(eta, {0, 0, 1, 1});
+    file.put(bottom, {10, 10});
+    file.put(f, values);
+    file.put(g, {0, 2, 4, 10, 20, 30}); // on levels: averaged in layers
+  }
+  probes("[1, 1, -7], [3, 2.5, -2], [5, 1, -2], [1, 1, 0.5]");
+  const std::vector<Row> table = replay("sea.nc");
+  ASSERT_EQ(table.size(), 8u);
+  const double x[] = {1, 3, 5, 1}, y[] = {1, 2.5, 1, 1}, z[] = {-7, -2, -2, 0.5},
+               g[] = {1, 3, 25, 3}, face[] = {0, 0, 1, 0};
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::size_t p = i % 4;
+    if (i == 3) { // above the surface
+      EXPECT_TRUE(std::isnan(table[i].at("f")));
+      continue;
+    }
+    EXPECT_NEAR(table[i].at("f"), field_of(x[p], y[p], z[p]), 1e-11);
+    EXPECT_EQ(table[i].at("g"), g[p]);
+    EXPECT_EQ(table[i].at("ugrid_face"), face[p]);
+    EXPECT_EQ(table[i].at("time"), i < 4 ? 0 : 60);
+  }
+}
+
+/// As SCHISM writes it: heights at the nodes of each step without attributes, a dimension of
+/// components, no locations, and a vertical coordinate along which nothing goes.
+TEST_F(UgridLayers, ByHeightsAtNodesWithVectors) {
+  UgridLattice lattice;
+  lattice.start = 1;
+  lattice.make();
+  const std::size_t nodes = lattice.nodes.size(), levels = 3;
+  {
+    UgridFile out(path("sea.nc"), lattice, 2, "seconds since 2000-01-01");
+    NcFile& file = out.file;
+    const int sigma_dim = file.dim("sigma", levels), sigma = file.var("sigma", {sigma_dim}),
+              dim = file.dim("nSCHISM_vgrid_layers", levels), two = file.dim("two", 2),
+              z = file.var("zCoordinates", {out.time, out.node, dim}),
+              hvel = file.var("hvel", {out.time, out.node, dim, two}, NC_FLOAT),
+              dahv = file.var("dahv", {out.node, two});
+    file.say(sigma, {"standard_name", "ocean_sigma_coordinate", "formula_terms",
+                     "sigma: sigma eta: elev depth: depth"});
+    for (const int v : {z, hvel, dahv})
+      file.say(v, {"mesh", "Mesh", "data_horizontal_center", "node"});
+    out.begin({0, 30});
+    std::vector<double> heights, vectors, flat;
+    for (int t = 0; t < 2; ++t)
+      for (std::size_t n = 0; n < nodes; ++n) {
+        const auto [x, y] = lattice.nodes[n];
+        for (std::size_t k = 0; k < levels; ++k) {
+          heights.push_back(-8 + 4 * double(k) + 0.5 * x + t);
+          vectors.insert(vectors.end(), {x + heights.back(), 2 * y});
+        }
+        if (t == 0)
+          flat.insert(flat.end(), {x, -y});
+      }
+    file.put(sigma, {-1, -0.5, 0});
+    file.put(z, heights);
+    file.put(hvel, vectors);
+    file.put(dahv, flat);
+  }
+  probes("[0.5, 0.5, -6], [2.5, 1.25, -1]");
+  const std::vector<Row> table = replay("sea.nc");
+  ASSERT_EQ(table.size(), 4u);
+  const double x[] = {0.5, 2.5}, y[] = {0.5, 1.25}, z[] = {-6, -1};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Row& row = table[i];
+    const std::size_t p = i % 2;
+    EXPECT_NEAR(row.at("hvel_x"), x[p] + z[p], 1e-12);
+    EXPECT_NEAR(row.at("hvel_y"), 2 * y[p], 1e-12);
+    EXPECT_EQ(row.at("hvel_z"), 0.0);
+    EXPECT_NEAR(row.at("dahv_y"), -y[p], 1e-12);
+    EXPECT_EQ(row.count("zCoordinates"), 0u);
   }
 }
 

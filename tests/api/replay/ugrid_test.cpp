@@ -48,6 +48,8 @@ TEST_F(Ugrid, TrianglesAndQuads) {
       UgridLattice lattice;
       lattice.start = start;
       lattice.faces_second = second;
+      lattice.by_centres = start == 1;
+      lattice.repeats = start == 1;
       lattice.make();
       write_lattice("mesh.nc", lattice, second ? NC_NETCDF4 : NC_64BIT_OFFSET);
       std::string points;

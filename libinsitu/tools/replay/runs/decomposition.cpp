@@ -74,20 +74,24 @@ void take_arrays(const Grids& pieces, const std::vector<Place>& places, bool of_
         names.insert(name);
   for (const std::string& name : names) {
     std::vector<vtkDataArray*> from;
+    vtkDataArray* model = nullptr;
+    bool alike = true;
     for (const auto& piece : pieces) {
       vtkDataArray* const own = attributes(piece)->GetArray(name.c_str());
-      if (own &&
-          (from.empty() || (own->GetNumberOfComponents() == from[0]->GetNumberOfComponents() &&
-                            own->GetDataType() == from[0]->GetDataType())))
-        from.push_back(own);
+      from.push_back(own);
+      if ((of_cells ? piece->GetNumberOfCells() : piece->GetNumberOfPoints()) == 0)
+        continue; // it has nothing to give
+      model = model ? model : own;
+      alike = alike && own && own->GetNumberOfComponents() == model->GetNumberOfComponents() &&
+              own->GetDataType() == model->GetDataType();
     }
-    if (from.size() != pieces.size()) {
+    if (!model || !alike) {
       left_out.insert(name);
       continue;
     }
-    const auto array = vtkSmartPointer<vtkDataArray>::Take(from[0]->NewInstance());
+    const auto array = vtkSmartPointer<vtkDataArray>::Take(model->NewInstance());
     array->SetName(name.c_str());
-    array->SetNumberOfComponents(from[0]->GetNumberOfComponents());
+    array->SetNumberOfComponents(model->GetNumberOfComponents());
     array->SetNumberOfTuples(vtkIdType(places.size()));
     for (std::size_t i = 0; i < places.size(); ++i)
       array->SetTuple(vtkIdType(i), places[i].at, from[std::size_t(places[i].piece)]);

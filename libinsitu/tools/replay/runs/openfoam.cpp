@@ -77,7 +77,7 @@ int highest_neighbour(const fs::path& boundary) {
 /// The processor folders of a case.
 struct Processors {
   std::vector<std::string> names;
-  std::string missing; ///< of processor0 to the last that there is or that a seam names
+  std::string missing; ///< the first, up to the last that there is or that a seam names
   int last = -1;
 };
 
@@ -90,7 +90,7 @@ Processors processors_of(const std::string& folder) {
         {out.last, p,
          highest_neighbour(fs::path(folder) / out.names.back() / "constant/polyMesh/boundary")});
   }
-  for (int p = out.last; p >= 0; --p)
+  for (int p = 0; p <= out.last && out.missing.empty(); ++p)
     if (found.count(p) == 0)
       out.missing = "processor" + std::to_string(p);
   return out;
@@ -186,6 +186,8 @@ private:
     if (reader.MakeMetaDataAtTimeStep(false))
       reader.Update();
     const std::string message = first_message();
+    if (!message.empty() && has_no_cells(p, time)) // which VTK takes for a fault
+      return {vtkSmartPointer<vtkUnstructuredGrid>::New()};
     vtkDataObject* const read = reader.GetOutputDataObject(0);
     if (!message.empty() || !read)
       throw FileError(path_of(processors_[p]),
@@ -216,6 +218,11 @@ private:
           (fs::exists(own / "faces") || fs::exists(own / "faces.gz")))
         out = own;
     return out;
+  }
+
+  bool has_no_cells(std::size_t p, std::optional<double> time) const {
+    const fs::path owner = mesh_folder(p, time) / "owner";
+    return fs::exists(owner) && read_foam_labels(owner.string()).empty();
   }
 
   /// The numbers that cells and points have in the whole case; empty where processors do not tell
@@ -255,8 +262,8 @@ private:
   std::set<std::string> notes_;
 };
 
-/// The whole case; null if it has no mesh.
-std::unique_ptr<Run> open_whole(const std::string& folder) {
+/// The whole case.
+std::unique_ptr<VtkRun> open_whole(const std::string& folder) {
   const vtkSmartPointer<vtkOpenFOAMReader> reader = reader_of(folder);
   forget_messages();
   reader->UpdateInformation();
@@ -277,12 +284,16 @@ std::unique_ptr<Run> open_openfoam(const std::string& folder) {
   const Processors processors = processors_of(folder);
   if (processors.names.empty()) {
     const std::set<int> collated = numbered_folders(folder, "processors");
-    if (!collated.empty() && !has_mesh(folder))
+    if (collated.empty())
+      return open_whole(folder);
+    const std::string found = "processors" + std::to_string(*collated.begin()) +
+                              " has the files of several processors in one, which are not read";
+    if (!has_mesh(folder))
       throw FileError(folder,
-                      "processors" + std::to_string(*collated.begin()) +
-                          " has the files of several processors in one, which are not "
-                          "read; reconstructParMesh and reconstructPar make the case whole");
-    return open_whole(folder);
+                      found + "; reconstructParMesh and reconstructPar make the case whole");
+    std::unique_ptr<VtkRun> whole = open_whole(folder);
+    whole->add_note(folder + ": " + found + ": the case is read as it is without them");
+    return whole;
   }
   std::unique_ptr<Run> whole = has_mesh(folder) ? open_whole(folder) : nullptr;
   auto parts = std::make_unique<DecomposedRun>(folder, processors.names);

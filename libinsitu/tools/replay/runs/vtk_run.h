@@ -19,11 +19,14 @@ public:
   VtkRun(std::string path, vtkSmartPointer<vtkAlgorithm> reader);
   std::vector<double> times() const override { return times_; }
   vtkSmartPointer<vtkDataObject> read(std::optional<double> time) override;
+  std::vector<std::string> notes() const override { return notes_; }
+  void add_note(std::string note) { notes_.push_back(std::move(note)); }
 
 private:
   std::string path_;
   vtkSmartPointer<vtkAlgorithm> reader_;
   std::vector<double> times_;
+  std::vector<std::string> notes_;
 };
 
 } // namespace insitu_replay

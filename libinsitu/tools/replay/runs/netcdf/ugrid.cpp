@@ -39,16 +39,10 @@ public:
     if (topology_.dimension == 2) {
       faces_ = cut_faces(file_, topology_);
       vertical_ = UgridVertical::find(
-          dims_,
-          [&](int level) {
-            return std::any_of(fields_.begin(), fields_.end(), [&](const UgridField& field) {
-              return field.level == level && !field.of_cells && !gives_heights(file_, *field.v);
-            });
-          },
-          notes_);
+          dims_, [&](int level) { return values_along(level); }, notes_);
       drop_coordinates();
     }
-    drop_unknown_levels();
+    resolve_levels(dims_, vertical_.get(), fields_, notes_);
     if (!faces_.cut.empty())
       notes_.push_back(std::to_string(faces_.cut.size()) +
                        " faces of more than four vertices are cut into triangles about their "
@@ -95,17 +89,12 @@ private:
     });
   }
 
-  void drop_unknown_levels() {
-    std::erase_if(fields_, [&](const UgridField& field) {
-      const bool known =
-          field.level < 0 || (vertical_ && (field.level == vertical_->layer_dim ||
-                                            field.level == vertical_->interface_dim));
-      if (!known)
-        notes_.push_back("variable '" + field.v->name + "' is left out: its dimension '" +
-                         file_.name_of_dim(field.level) +
-                         "' is that of no vertical coordinate that gives the mesh's layers");
-      return !known;
-    });
+  UgridVertical::Along values_along(int level) const {
+    UgridVertical::Along out;
+    for (const UgridField& field : fields_)
+      if (dims_.has(*field.v, level) && !gives_heights(file_, *field.v))
+        (field.of_cells ? out.cells : out.nodes) = true;
+    return out;
   }
 
   /// Nodes with the made vertices behind.
@@ -186,7 +175,10 @@ private:
       return;
     }
     const std::vector<double> z = vertical_->interfaces(dims_, 0);
-    const bool up = z.back() > z[topology_.nodes() - 1]; // of the last node
+    double thickness = 0; // of all columns, as some may be dry
+    for (std::size_t n = 0; n < topology_.nodes(); ++n)
+      thickness += z[z.size() - topology_.nodes() + n] - z[n];
+    const bool up = thickness > 0;
     const auto nodes = vtkIdType(topology_.nodes() + faces_.cut.size());
     for (std::size_t layer = 0; layer < vertical_->layers; ++layer)
       for (std::size_t c = 0; c < faces_.cells(); ++c) {

@@ -70,12 +70,16 @@ std::vector<double> of_made(const UgridDims& dims, const CutFaces& faces,
   return out;
 }
 
-/// The values of a field at all points or cells of the mesh.
+/// The values of a field, or of a component, at all points or cells of the mesh.
 std::vector<double> values_of(const UgridDims& dims, const CutFaces& faces,
-                              const UgridColumn& column, const UgridField& field,
-                              std::size_t step) {
-  const int item = field.of_cells ? dims.topology.cell_dim : dims.topology.node_dim;
-  std::vector<double> values = dims.values(*field.v, step, field.level, item);
+                              const UgridColumn& column, const UgridField& field, std::size_t step,
+                              std::size_t component) {
+  std::vector<double> values = dims.values(
+      *field.v, {.step = step,
+                 .level = field.level,
+                 .item = field.of_cells ? dims.topology.cell_dim : dims.topology.node_dim,
+                 .part = field.part,
+                 .component = component});
   if (dims.topology.dimension == 2)
     values = field.of_cells ? of_cut(faces, values, dims.topology.cells())
                             : of_made(dims, faces, values);
@@ -143,7 +147,6 @@ std::vector<UgridField> fields_of(const UgridDims& dims, std::vector<std::string
       continue;
     if (std::find(t.parts.begin(), t.parts.end(), &v) != t.parts.end())
       continue;
-    const std::vector<int> others = dims.others(v);
     const std::string cells = t.dimension == 3 ? "volume" : "face";
     if ((location == "node" && !of_nodes) || (location == cells && !of_cells))
       file.fail(v, "location is " + location + ", but it does not have the dimension '" +
@@ -153,26 +156,55 @@ std::vector<UgridField> fields_of(const UgridDims& dims, std::vector<std::string
                       "s are read, those of its location '" + location + "' are not");
     else if (!NetcdfFile::has_numbers(v))
       notes.push_back("variable '" + v.name + "' is left out: it holds no numbers");
-    else if (others.size() > 1)
-      notes.push_back("variable '" + v.name + "' is left out: it has " +
-                      std::to_string(others.size()) +
-                      " dimensions besides time and those of the mesh");
     else
-      out.push_back({&v, of_cells, others.empty() ? -1 : others[0]});
+      out.push_back({&v, of_cells, dims.others(v)});
   }
   return out;
+}
+
+void resolve_levels(const UgridDims& dims, const UgridVertical* vertical,
+                    std::vector<UgridField>& fields, std::vector<std::string>& notes) {
+  const NetcdfFile& file = dims.file;
+  std::erase_if(fields, [&](UgridField& field) {
+    for (const int dim : field.others) {
+      if (vertical && (dim == vertical->layer_dim || dim == vertical->interface_dim))
+        field.level = dim;
+      else if (field.part < 0 && (file.length(dim) == 2 || file.length(dim) == 3))
+        field.part = dim;
+      else if (file.length(dim) != 1) {
+        notes.push_back("variable '" + field.v->name + "' is left out: its dimension '" +
+                        file.name_of_dim(dim) +
+                        "' is that of no vertical coordinate that gives the mesh's layers");
+        return true;
+      }
+    }
+    return false;
+  });
 }
 
 void set_fields(const UgridDims& dims, const CutFaces& faces, const UgridColumn& column,
                 const std::vector<UgridField>& fields, std::size_t step, vtkDataSet* out) {
   for (const UgridField& field : fields) {
-    const std::vector<double> values = values_of(dims, faces, column, field, step);
+    const std::size_t parts = field.part < 0 ? 1 : dims.file.length(field.part);
+    const bool volume = column.vertical || dims.topology.dimension == 3;
     const vtkNew<vtkDoubleArray> array;
     array->SetName(field.v->name.c_str());
-    array->SetNumberOfTuples(vtkIdType(values.size()));
-    std::copy(values.begin(), values.end(), array->GetPointer(0));
+    array->SetNumberOfComponents(parts == 1 ? 1 : volume ? 3 : int(parts));
+    bool blank = false;
+    for (std::size_t part = 0; part < parts; ++part) {
+      const std::vector<double> values = values_of(dims, faces, column, field, step, part);
+      if (part == 0)
+        array->SetNumberOfTuples(vtkIdType(values.size()));
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        array->SetTypedComponent(vtkIdType(i), int(part), values[i]);
+        blank = blank || std::isnan(values[i]);
+      }
+    }
+    if (parts == 2 && volume) // across alone
+      for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+        array->SetTypedComponent(i, 2, 0.0);
     attributes_of(out, field.of_cells)->AddArray(array);
-    if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); }))
+    if (blank)
       add_blank(field.v->name, out);
   }
 }
@@ -182,14 +214,14 @@ void add_vectors(const NetcdfFile& file, const std::vector<UgridField>& fields, 
   const auto find = [&](const UgridField& like, const Component& wanted) -> const UgridField* {
     for (const UgridField& field : fields)
       if (const Component c = component_of(file, *field.v);
-          field.of_cells == like.of_cells && c.vector == wanted.vector && c.axis == wanted.axis &&
-          (field.level >= 0) == (like.level >= 0))
+          field.part < 0 && field.of_cells == like.of_cells && c.vector == wanted.vector &&
+          c.axis == wanted.axis && (field.level >= 0) == (like.level >= 0))
         return &field;
     return nullptr;
   };
   for (const UgridField& x : fields) {
     const Component c = component_of(file, *x.v);
-    const UgridField* const y = c.axis == 0 ? find(x, {c.vector, 1}) : nullptr;
+    const UgridField* const y = c.axis == 0 && x.part < 0 ? find(x, {c.vector, 1}) : nullptr;
     if (!y || find(x, c) != &x)
       continue;
     const UgridField* const z = flat ? nullptr : find(x, {c.vector, 2});

@@ -15,11 +15,19 @@ namespace insitu_replay {
 struct UgridField {
   const NetcdfFile::Variable* v = nullptr;
   bool of_cells = false;
-  int level = -1; ///< the dimension of layers or interfaces; -1: none
+  std::vector<int> others; ///< its dimensions besides time and those of the mesh
+  int level = -1;          ///< the dimension of layers or interfaces; -1: none
+  int part = -1;           ///< the dimension of components; -1: one
 };
 
-/// The variables of the mesh, and what is left out as notes.
+/// The variables of the mesh, and what is left out as notes. Their levels and parts are not known
+/// yet.
 std::vector<UgridField> fields_of(const UgridDims& dims, std::vector<std::string>& notes);
+
+/// Tells levels and parts (a dimension of 2 or 3) of the fields, and leaves out, with notes, those
+/// with other dimensions.
+void resolve_levels(const UgridDims& dims, const UgridVertical* vertical,
+                    std::vector<UgridField>& fields, std::vector<std::string>& notes);
 
 /// Heights of a step, where there are layers.
 struct UgridColumn {

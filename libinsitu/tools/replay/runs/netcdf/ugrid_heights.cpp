@@ -68,8 +68,8 @@ public:
     if (!of)
       return std::vector<double>(levels_ * nodes, *otherwise);
     const bool along_levels = dims_.has(*of, level_);
-    std::vector<double> values =
-        dims_.values(*of, step_, along_levels ? level_ : -1, dims_.topology.node_dim);
+    std::vector<double> values = dims_.values(
+        *of, {.step = step_, .level = along_levels ? level_ : -1, .item = dims_.topology.node_dim});
     if (!along_levels) { // the same for all levels
       values.reserve(levels_ * nodes);
       for (std::size_t k = 1; k < levels_; ++k)
@@ -124,6 +124,8 @@ bool gives_heights(const NetcdfFile& file, const Variable& v) {
   if (formula_of(file, v) != Formula::none)
     return true;
   const std::string name = file.text(v, "standard_name");
+  if (v.name == "zCoordinates") // SCHISM's, which has no attributes that say so
+    return true;
   return file.text(v, "formula_terms").empty() && metres_of(file.text(v, "units")) &&
          (!file.text(v, "positive").empty() || file.text(v, "axis") == "Z" || name == "depth" ||
           name == "height" || name == "altitude");

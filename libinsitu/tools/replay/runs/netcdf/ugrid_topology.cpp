@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "file_error.h"
@@ -82,6 +83,12 @@ int cell_dim_of(const NetcdfFile& file, const UgridTopology& t, const Variable& 
   return ids.dims[0];
 }
 
+std::string text_of(double number) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.15g", number);
+  return text;
+}
+
 /// Reads the nodes of faces or volumes.
 void read_cells(const NetcdfFile& file, UgridTopology& t) {
   const std::string location = t.dimension == 3 ? "volume" : "face",
@@ -106,14 +113,16 @@ void read_cells(const NetcdfFile& file, UgridTopology& t) {
       if (std::isnan(id))
         continue; // no node: the cell has fewer
       if (!(id >= start && id <= last && id == std::floor(id)))
-        file.fail(v,
-                  location + " " + std::to_string(c) + ": node " + std::to_string(k) +
-                      " has the id " + std::to_string(static_cast<long long>(id)) + ", " +
-                      std::to_string(static_cast<long long>(start)) + " to " +
-                      std::to_string(static_cast<long long>(last)) + " expected" +
-                      (said ? " by start_index" : "; start_index is missing, so ids count from 0"));
-      t.ids.push_back(static_cast<std::int64_t>(id - start));
+        file.fail(
+            v, location + " " + std::to_string(c) + ": node " + std::to_string(k) + " has the id " +
+                   text_of(id) + ", " + text_of(start) + " to " + text_of(last) + " expected" +
+                   (said ? " by start_index" : "; start_index is missing, so ids count from 0"));
+      const auto node = static_cast<std::int64_t>(id - start);
+      if (t.dimension == 3 || t.ids.size() == first || t.ids.back() != node)
+        t.ids.push_back(node); // some files repeat a node in the place of one that is not there
     }
+    while (t.dimension == 2 && t.ids.size() > first + 1 && t.ids.back() == t.ids[first])
+      t.ids.pop_back();
     const std::size_t nodes = t.ids.size() - first;
     if (t.dimension == 2 ? nodes < 3 : nodes < 4 || nodes == 7 || nodes > 8)
       file.fail(v, location + " " + std::to_string(c) + " has " + std::to_string(nodes) +

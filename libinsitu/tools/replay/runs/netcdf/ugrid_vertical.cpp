@@ -66,20 +66,21 @@ bool UgridDims::has(const Variable& v, int dim) const {
   return dim >= 0 && std::find(v.dims.begin(), v.dims.end(), dim) != v.dims.end();
 }
 
-std::vector<double> UgridDims::values(const Variable& v, std::size_t step, int level,
-                                      int item) const {
-  const std::vector<double> read = file.values(v, time_dim, step);
-  const bool of_cells = item == topology.node_dim && has(v, topology.cell_dim);
-  const int along = of_cells ? topology.cell_dim : item;
-  const std::size_t levels = level < 0 ? 1 : file.length(level),
+std::vector<double> UgridDims::values(const Variable& v, const Slab& slab) const {
+  const std::vector<double> read = file.values(v, time_dim, slab.step);
+  const bool of_cells = slab.item == topology.node_dim && has(v, topology.cell_dim);
+  const int along = of_cells ? topology.cell_dim : slab.item;
+  const std::size_t levels = slab.level < 0 ? 1 : file.length(slab.level),
                     items = along < 0 ? 1 : file.length(along);
-  std::size_t stride = 1, of_level = 0, of_item = 0;
+  std::size_t stride = 1, of_level = 0, of_item = 0, first = 0;
   for (std::size_t d = v.dims.size(); d-- > 0;) {
     const int dim = v.dims[d];
-    if (dim == level)
+    if (dim == slab.level)
       of_level = stride;
     else if (dim == along)
       of_item = stride;
+    else if (dim == slab.part)
+      first = slab.component * stride;
     else if (dim != time_dim && file.length(dim) != 1)
       file.fail(v, "has the dimension '" + file.name_of_dim(dim) + "', which is not expected");
     stride *= dim == time_dim ? 1 : file.length(dim);
@@ -87,68 +88,73 @@ std::vector<double> UgridDims::values(const Variable& v, std::size_t step, int l
   std::vector<double> out(levels * items);
   for (std::size_t k = 0; k < levels; ++k)
     for (std::size_t i = 0; i < items; ++i)
-      out[k * items + i] = read[k * of_level + i * of_item];
+      out[k * items + i] = read[first + k * of_level + i * of_item];
   return of_cells ? at_nodes(topology, out, levels) : out;
 }
 
 std::unique_ptr<UgridVertical> UgridVertical::find(const UgridDims& dims,
-                                                   const std::function<bool(int)>& has_node_data,
+                                                   const std::function<Along(int)>& along,
                                                    std::vector<std::string>& notes) {
   struct Candidate {
     const Variable* v;
     int level;
+    std::size_t length;
+    bool has_values;
   };
   std::vector<Candidate> candidates;
   for (const Variable& v : dims.file.variables()) {
     const int level = level_of(dims, v);
     if (level < 0)
       continue;
+    const Along values = along(level);
+    const bool has_values = values.nodes || values.cells;
     if (gives_heights(dims.file, v))
-      candidates.push_back({&v, level});
-    else if (!dims.file.text(v, "formula_terms").empty())
+      candidates.push_back({&v, level, dims.file.length(level), has_values});
+    else if (has_values && !dims.file.text(v, "formula_terms").empty())
       notes.push_back("variable '" + v.name + "': heights by the " +
                       dims.file.text(v, "standard_name") + " are not known");
   }
-  if (candidates.empty())
-    return nullptr;
   auto out = std::make_unique<UgridVertical>();
-  const auto length = [&](const Candidate& c) { return dims.file.length(c.level); };
   for (const Candidate& a : candidates)
     for (const Candidate& b : candidates)
-      if (!out->layer_ && length(b) == length(a) + 1) {
+      if (!out->layer_ && b.length == a.length + 1 && (a.has_values || b.has_values)) {
         out->layer_ = a.v;
         out->layer_dim = a.level;
         out->interface_ = b.v;
         out->interface_dim = b.level;
-        out->layers = length(a);
+        out->layers = a.length;
       }
+  const auto only = std::find_if(candidates.begin(), candidates.end(),
+                                 [](const Candidate& c) { return c.has_values; });
+  if (only == candidates.end())
+    return nullptr;
   if (!out->layer_) {
-    const Candidate& only = candidates[0];
-    out->bounds_ = bounds_of(dims, *only.v, only.level);
-    if (!out->bounds_.empty() || !has_node_data(only.level)) {
-      out->layer_ = only.v;
-      out->layer_dim = only.level;
-      out->layers = length(only);
+    out->bounds_ = bounds_of(dims, *only->v, only->level);
+    if (!out->bounds_.empty() || !along(only->level).nodes) {
+      out->layer_ = only->v;
+      out->layer_dim = only->level;
+      out->layers = only->length;
     } else {
-      out->interface_ = only.v;
-      out->interface_dim = only.level;
-      out->layers = length(only) - 1;
+      out->interface_ = only->v;
+      out->interface_dim = only->level;
+      out->layers = only->length - 1;
     }
     if (out->layers < (out->bounds_.empty() && out->layer_ ? 2u : 1u)) {
-      notes.push_back("variable '" + only.v->name + "': " + std::to_string(length(only)) +
+      notes.push_back("variable '" + only->v->name + "': " + std::to_string(only->length) +
                       " level without bounds tells no layers");
       return nullptr;
     }
   }
-  const Variable& shape = out->interface_ ? *out->interface_ : *out->layer_;
-  out->moves = heights_move(dims, shape);
+  out->moves = heights_move(dims, out->interface_ ? *out->interface_ : *out->layer_);
   return out;
 }
 
 std::vector<double> UgridVertical::heights(const UgridDims& dims, const Variable& v,
                                            std::size_t step) const {
   const int level = &v == interface_ ? interface_dim : layer_dim;
-  return heights_of(dims, v, dims.values(v, step, level, dims.topology.node_dim), step, level);
+  return heights_of(dims, v,
+                    dims.values(v, {.step = step, .level = level, .item = dims.topology.node_dim}),
+                    step, level);
 }
 
 std::vector<double> UgridVertical::middles(const UgridDims& dims, std::size_t step) const {

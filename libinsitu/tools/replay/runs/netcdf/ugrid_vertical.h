@@ -19,20 +19,30 @@ struct UgridDims {
   /// The dimensions that are neither time nor those of nodes and cells.
   std::vector<int> others(const NetcdfFile::Variable& v) const;
   bool has(const NetcdfFile::Variable& v, int dim) const;
-  /// The values at a step, [levels][items]: levels of the dimension `level` (-1: one), items of
-  /// the dimension `item` (-1: one). Dimensions that the variable lacks have one value for all of
-  /// theirs.
-  std::vector<double> values(const NetcdfFile::Variable& v, std::size_t step, int level,
-                             int item) const;
+  /// Which values are read.
+  struct Slab {
+    std::size_t step = 0;
+    int level = -1; ///< the dimension of the levels; -1: one level
+    int item = -1;  ///< the dimension of the items; -1: one
+    int part = -1;  ///< a dimension of components, of which `component` alone is read
+    std::size_t component = 0;
+  };
+  /// [levels][items]. Dimensions that the variable lacks have one value for all of theirs. Values
+  /// of cells are averaged at nodes if these are the items.
+  std::vector<double> values(const NetcdfFile::Variable& v, const Slab& slab) const;
 };
 
 /// The vertical coordinate of a layered mesh: heights, or a parametric coordinate of an ocean.
 class UgridVertical {
 public:
-  /// Null if the file has no vertical coordinate that is known. has_node_data: whether there are
-  /// values of nodes along a dimension. notes: of what is not understood.
+  /// Of which items a dimension has values.
+  struct Along {
+    bool nodes = false, cells = false;
+  };
+  /// Null if the file has no vertical coordinate that is known and along which there are values.
+  /// notes: of what is not understood.
   static std::unique_ptr<UgridVertical> find(const UgridDims& dims,
-                                             const std::function<bool(int)>& has_node_data,
+                                             const std::function<Along(int)>& along,
                                              std::vector<std::string>& notes);
 
   int layer_dim = -1;     ///< values along it are of layers; -1: the file has none
