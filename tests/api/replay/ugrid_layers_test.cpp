@@ -328,6 +328,55 @@ TEST_F(UgridLayers, ByHeightsAtNodesWithVectors) {
   }
 }
 
+/// A drifter between depths, by velocities of faces in metres per second: over the ellipsoid at its
+/// height. The rate of longitude is u / ((N + h) cos(latitude)).
+TEST_F(UgridLayers, DriftersGoOverTheEllipsoidAtTheirDepth) {
+  UgridLattice lattice;
+  lattice.x0 = 10;
+  lattice.y0 = -40;
+  lattice.degrees = true;
+  lattice.make();
+  {
+    UgridFile out(path("sea.nc"), lattice, 3, "hours since 2000-01-01");
+    NcFile& file = out.file;
+    const int dim = file.dim("lev", 2), two = file.dim("two", 2), lev = file.var("lev", {dim}),
+              ends = file.var("lev_bounds", {dim, two});
+    file.say(lev, {"units", "m", "positive", "down", "bounds", "lev_bounds"});
+    const int u = out.field("ucx", {out.time, out.face, dim}, "face"),
+              v = out.field("ucy", {out.time, out.face, dim}, "face");
+    file.say(u, {"standard_name", "sea_water_x_velocity"});
+    file.say(v, {"standard_name", "sea_water_y_velocity"});
+    out.begin({0, 6, 12});
+    file.put(lev, {50, 2500});
+    file.put(ends, {0, 100, 100, 4900});
+    std::vector<double> east;
+    for (std::size_t i = 0; i < 3 * lattice.faces.size(); ++i)
+      east.insert(east.end(), {1.5, -2.5});
+    file.put(u, east);
+    file.put(v, std::vector<double>(east.size(), 0.0));
+  }
+  put("scene.yaml", "insitu: 1\ntracers:\n  - {name: t, velocity: sea_water_velocity, seeds: "
+                    "[[11.5, -38.5, -60], [11.5, -38.5, -4000]]}\n");
+  const Outcome o = run("--scene scene.yaml --out out sea.nc");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const double a = 6378137, f = 1 / 298.257223563, e2 = f * (2 - f), pi = std::acos(-1.0),
+               latitude = -38.5 * pi / 180, sine = std::sin(latitude),
+               normal = a / std::sqrt(1 - e2 * sine * sine);
+  int rows_of[2] = {};
+  for (const Row& row : rows("out/t.csv")) {
+    const auto p = std::size_t(row.at("particle"));
+    const double height = p ? -4000 : -60, speed = p ? -2.5 : 1.5,
+                 turned = row.at("time") * speed / ((normal + height) * std::cos(latitude));
+    ++rows_of[p];
+    // The tolerance allows an error of 1e-6 m a second: 5e-7 degrees in the end.
+    EXPECT_NEAR(row.at("x"), 11.5 + turned * 180 / pi, 5e-7);
+    EXPECT_NEAR(row.at("y"), -38.5, 4e-7);
+    EXPECT_NEAR(row.at("z"), height, 1e-6);
+  }
+  EXPECT_GE(rows_of[0], 3);
+  EXPECT_GE(rows_of[1], 3);
+}
+
 /// Two wedges and a hexahedron of topology dimension 3, by the numbers of their nodes.
 TEST_F(UgridLayers, Volumes) {
   {
