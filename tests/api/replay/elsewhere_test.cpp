@@ -126,7 +126,7 @@ TEST_F(Elsewhere, LayersInLongitudeAndLatitude) {
   ASSERT_EQ(nc_close(file), NC_NOERR);
   put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: [[1, 41, -10], [1.5, 41.5, -5]], "
                     "frame: mesh, fields: [temp]}\n");
-  for (const std::string said : {"", "--frame geodetic "}) {
+  for (const std::string said : {"", "--frame geodetic ", "--frame cartesian "}) {
     const Outcome o = run("--scene scene.yaml " + said + "--out out sea.nc");
     ASSERT_EQ(o.code, 0) << o.err;
     const std::vector<Row> table = rows("out/g.csv");
