@@ -11,7 +11,7 @@
 #include "catalyst/run.h"
 #include "options.h"
 #include "read.h"
-#include "runs_of_others.h"
+#include "runs/runs_of_others.h"
 
 namespace insitu_replay {
 

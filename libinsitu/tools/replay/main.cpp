@@ -21,6 +21,7 @@
 #include "parts.h"
 #include "read.h"
 #include "records/meshes.h"
+#include "runs/runs_of_others.h"
 #include "steps.h"
 #include "vtk_mesh.h"
 
@@ -79,7 +80,7 @@ public:
     if (first_)
       return; // records name their meshes
     mesh_ = session_.mesh(options.mesh);
-    mesh_.frame(options.frame);
+    mesh_.frame(options.has_frame ? options.frame : frame_of_files());
     mesh_.separate_pieces(options.separate_pieces);
   }
 
@@ -148,6 +149,13 @@ private:
     const bool well = session_.execute(cycle, step.time);
     session_.show_live();
     return well;
+  }
+
+  /// What files of other programs say, or the option's default.
+  insitu::Frame frame_of_files() const {
+    const Step& first = steps_.front();
+    return first.is_of_run ? frame_of_run(first.files.front()).value_or(options_.frame)
+                           : options_.frame;
   }
 
   /// Records tell their times, and go by these, then by their names, however they were given.
@@ -238,6 +246,9 @@ private:
     for (const std::string& file : step.files)
       for (Part& part : read_parts(file, step))
         parts.push_back(std::move(part));
+    if (step.is_of_run)
+      for (const std::string& note : notes_of_run(first))
+        say_once(note);
     if (!parts.empty()) {
       drop_surfaces(parts, [this](const std::string& what) { say_once(what); });
       // Steps of one file are told apart by their places, whatever its field data says.

@@ -23,8 +23,8 @@ FILE is a file that VTK reads, its suffix in small or capital letters:
   step in a .pvd are the pieces of the mesh
   .hdf: a record of a run (insitu_session_record, or 'record:' in its scene), with its meshes, and
   its scene unless another is given; or VTKHDF of other programs
-  a folder of OpenFOAM (or a .foam file in it), .exo, .e, .ex2, .g (Exodus), .cgns, .nc (CF
-  conventions): all steps of a run, as far as VTK here has their readers
+  a folder of OpenFOAM (or a .foam file in it; decomposed ones too), .exo, .e, .ex2, .g (Exodus),
+  .cgns, .nc (CF and UGRID conventions): all steps of a run, as far as VTK here has their readers
 Or it is a folder of dumps of Catalyst's calls (CATALYST_DATA_DUMP_DIRECTORY), or such dumps with
 their schemas beside them: the run is then done again, with one process in the place of all, with
 the run's own scene or another (--scene, --out, --threads, --strict).
@@ -39,7 +39,8 @@ these is said once.
   --out DIR        output folder; overrides the scene's
   --mesh NAME      what the scene calls the mesh (default: mesh)
   --frame FRAME    what the files' points are: cartesian (the default), geocentric, or 'geodetic
-                   [radians] [kilometres] [depth]' for longitude, latitude and height (or depth)
+                   [radians] [kilometres] [depth]' for longitude, latitude and height (or depth);
+                   the default of netCDF in degrees of longitude and latitude is geodetic
   --pieces HOW     joined (the default): vertices of different pieces that coincide are one for
                    averages and smooth normals; or separate: each piece stands for itself
   --blank [FIELD=]VALUE

@@ -21,7 +21,7 @@
 #include <vtkUnstructuredGrid.h>
 
 #include "read.h"
-#include "runs_of_others.h"
+#include "runs/runs_of_others.h"
 
 namespace insitu_replay {
 

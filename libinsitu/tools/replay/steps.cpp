@@ -13,7 +13,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "read.h"
-#include "runs_of_others.h"
+#include "runs/runs_of_others.h"
 
 namespace insitu_replay {
 

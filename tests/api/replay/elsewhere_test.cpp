@@ -126,14 +126,30 @@ TEST_F(Elsewhere, LayersInLongitudeAndLatitude) {
   ASSERT_EQ(nc_close(file), NC_NOERR);
   put("scene.yaml", "insitu: 1\nprobes:\n  - {name: g, points: [[1, 41, -10], [1.5, 41.5, -5]], "
                     "frame: mesh, fields: [temp]}\n");
-  const Outcome o = run("--scene scene.yaml --frame geodetic --out out sea.nc");
-  ASSERT_EQ(o.code, 0) << o.err;
-  const std::vector<Row> table = rows("out/g.csv");
-  ASSERT_EQ(table.size(), 4u);
-  EXPECT_EQ(table[0].at("temp"), 26.0); // level 1, latitude 1, longitude 1
-  EXPECT_EQ(table[1].at("temp"), 19.0); // the mean of eight
-  EXPECT_EQ(table[2].at("temp"), 86.0);
-  EXPECT_EQ(table[3].at("time"), 1.0);
+  for (const std::string said : {"", "--frame geodetic ", "--frame cartesian "}) {
+    const Outcome o = run("--scene scene.yaml " + said + "--out out sea.nc");
+    ASSERT_EQ(o.code, 0) << o.err;
+    const std::vector<Row> table = rows("out/g.csv");
+    ASSERT_EQ(table.size(), 4u);
+    EXPECT_EQ(table[0].at("temp"), 26.0); // level 1, latitude 1, longitude 1
+    EXPECT_EQ(table[1].at("temp"), 19.0); // the mean of eight
+    EXPECT_EQ(table[2].at("temp"), 86.0);
+    EXPECT_EQ(table[3].at("time"), 86400.0);
+    fs::remove_all(folder / "out");
+  }
+  const std::string whole = contents(path("sea.nc"));
+  put("cut.nc", whole.substr(0, whole.size() - 500)); // of which the netCDF library reads zeros
+  const Outcome cut = run("--scene scene.yaml --out out cut.nc");
+  EXPECT_EQ(cut.code, 1);
+  EXPECT_NE(cut.err.find("cut.nc: variable 'temp': its values end at byte " +
+                         std::to_string(whole.size())),
+            std::string::npos)
+      << cut.err;
+  // Points in a frame of the Earth are found, as the file's units tell the mesh's.
+  put("globe.yaml", "insitu: 1\nprobes:\n  - {name: g, points: [[1, 41, -10]], frame: geodetic, "
+                    "fields: [temp]}\n");
+  EXPECT_EQ(run("--scene globe.yaml --out out sea.nc").code, 0);
+  EXPECT_NEAR(rows("out/g.csv").at(0).at("temp"), 26.0, 1e-9);
 }
 #endif
 

@@ -1,9 +1,11 @@
 // Hexahedra that are cut at planes, by their faces, show and tell what the same cube does whole.
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
 
 #include "coupled.h"
 #include "cubes.h"
+#include "fixtures/poly_dual.h"
 #include "output/image/png.h"
 
 namespace {
@@ -98,4 +100,44 @@ TEST(PolyhedralRuns, ShowWhatTheWholeCellsShow) {
     };
     EXPECT_NEAR(brightness(cut_folder), brightness(whole_folder), 2.0) << name;
   }
+}
+
+/// A steady vortex, linear in the coordinates, hence the same in all cells of a dual mesh: after a
+/// turn each particle is back.
+TEST(PolyhedralRuns, TracersOfAVortexComeBackInTheDualOfPolyDualMesh) {
+  const test::Folder folder;
+  insitu::fixtures::FaceArrays<> arrays(insitu::fixtures::poly_dual());
+  std::vector<double> velocity;
+  for (std::size_t v = 0; v < arrays.points.size(); v += 3)
+    velocity.insert(velocity.end(), {1.5 - arrays.points[v + 1], arrays.points[v] - 1.5,
+                                     0.1 * (arrays.points[v] - 1.5)});
+  insitu::Options options;
+  options.scene_text =
+      "insitu: 1\npage: false\ntracers:\n  - {name: t, velocity: u, seeds: [[2.5, 1.5, 1.5], [1.5, "
+      "0.3, 0.7], [0.2, 1.1, 2.4]], integrator: {method: dopri5, tolerance: 1e-11}}\n";
+  options.output = folder.path();
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("m");
+  mesh.points(insitu::Array(arrays.points).components(3));
+  mesh.faces(arrays.by_owner());
+  mesh.vertex_field("u", insitu::Array(velocity).components(3));
+  for (int cycle = 0; cycle <= 4; ++cycle)
+    ASSERT_TRUE(session.execute(cycle, 0.5 * std::numbers::pi * cycle)) << insitu_last_message();
+  session.close();
+  const runs::Table t = runs::parse_table(test::content(folder / "t.csv"));
+  const double seeds[3][3] = {{2.5, 1.5, 1.5}, {1.5, 0.3, 0.7}, {0.2, 1.1, 2.4}};
+  int back = 0;
+  for (std::size_t row = 0; row < t.rows.size(); ++row) {
+    const double* const seed = seeds[std::size_t(t.number(row, "particle"))];
+    const double x = t.number(row, "x"), y = t.number(row, "y"), z = t.number(row, "z");
+    // The tolerance times the turns; z goes with the way that y has gone.
+    EXPECT_NEAR(std::hypot(x - 1.5, y - 1.5), std::hypot(seed[0] - 1.5, seed[1] - 1.5), 1e-9);
+    EXPECT_NEAR(z, seed[2] + 0.1 * (y - seed[1]), 1e-9);
+    if (t.number(row, "cycle") != 4 || t.number(row, "cell") < 0)
+      continue; // or the row that tells how it ended
+    ++back;
+    EXPECT_NEAR(x, seed[0], 1e-9);
+    EXPECT_NEAR(y, seed[1], 1e-9);
+  }
+  EXPECT_EQ(back, 3);
 }

@@ -1,9 +1,6 @@
 // Cells given by faces are located as the definition says: recognised where they have a shape, and
 // cut around their centres where they have none.
-#include <cstdlib>
-
-#include "../query/query_test.h"
-#include "fixtures/polyhedra.h"
+#include "owners.h"
 
 using namespace insitu;
 using fixtures::CommittedFaces;
@@ -12,37 +9,6 @@ using math::Vec3d;
 using test::Random;
 
 namespace {
-
-/// The lowest solver's cell that holds a point, by the parts one by one.
-std::int64_t lowest_cell(const CommittedFaces& m, const Vec3d& p) {
-  const std::int64_t part = test::owner(m.mesh.mesh().view(), p);
-  return part < 0 ? -1 : m.mesh.stand_in()->place(part).own;
-}
-
-void expect_owners(const CommittedFaces& m, const std::vector<Vec3d>& points) {
-  const mesh::MeshView& view = m.mesh.mesh().view();
-  for (const insitu_accuracy accuracy : {INSITU_STANDARD, INSITU_EXACT}) {
-    std::vector<query::Location> batch(points.size());
-    m.sampler().locate(m.threads, points, batch, {accuracy, 1.0});
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      ASSERT_EQ(batch[i].cell, test::owner(view, points[i])) << test::text(points[i]);
-      ASSERT_EQ(m.mesh.own(batch[i], points[i]).cell, lowest_cell(m, points[i]));
-    }
-  }
-}
-
-/// Owners of points of all sorts are those of the definition, and the box from `low` to `high`,
-/// which lies in the mesh, is filled: what is not in a cell would be found in none.
-void expect_filled(const CommittedFaces& m, const Vec3d& low, const Vec3d& high, int hard,
-                   std::uint64_t seed) {
-  EXPECT_TRUE(m.warnings.empty()) << m.warnings[0];
-  const mesh::MeshView& view = m.mesh.mesh().view();
-  expect_owners(m, test::hard_points(view, hard, seed));
-  expect_owners(m, test::inner_points(view, hard / 2, seed + 1));
-  Random random(seed + 2);
-  for (int i = 0; i < 4000; ++i)
-    ASSERT_GE(m.owner(random.uniform(low, high)), 0);
-}
 
 /// Each cell's number of parts.
 std::vector<int> part_counts(const CommittedFaces& m) {
@@ -107,37 +73,11 @@ TEST(Polyhedra, DualsOfTetrahedra) {
 // Points on faces, edges and vertices, within roundings of them, have one owner: the lowest of all
 // cells that hold them. INSITU_TEST_POINTS: so many.
 TEST(Polyhedra, PointsOnFacesAreOwnedOnce) {
-  const char* const asked = std::getenv("INSITU_TEST_POINTS");
-  const int count = asked ? std::atoi(asked) : 20000;
   for (const FaceMesh& mesh :
        {fixtures::octahedra(3, 0.15),
-        fixtures::dual_of(test::make_mesh(
-            {.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11))}) {
-    const CommittedFaces m(mesh);
-    const mesh::MeshView& view = m.mesh.mesh().view();
-    std::vector<mesh::Box> boxes;
-    std::vector<mesh::CellVertices> cells(std::size_t(view.cell_count()));
-    for (std::size_t c = 0; c < cells.size(); ++c) {
-      mesh::gather(view, std::int64_t(c), cells[c]);
-      boxes.push_back(mesh::box_of(cells[c]));
-    }
-    const auto lowest = [&](const Vec3d& p) -> std::int64_t {
-      for (std::size_t c = 0; c < cells.size(); ++c)
-        if (boxes[c].holds(p) &&
-            cells::holds(cells::contain_exact(cells[c].shape, cells[c].x, p).where))
-          return std::int64_t(c);
-      return -1;
-    };
-    const int at_once = std::min(count, 100000);
-    std::vector<query::Location> batch(static_cast<std::size_t>(at_once));
-    for (int first = 0; first < count / 2; first += at_once) {
-      const std::vector<Vec3d> points = test::hard_points(view, at_once, 15 + std::uint64_t(first));
-      m.sampler().locate(m.threads, points, batch, {INSITU_EXACT, 1.0});
-      for (std::size_t i = 0; i < points.size(); ++i)
-        ASSERT_EQ(batch[i].cell, lowest(points[i]))
-            << "seed " << 15 + first << " " << test::text(points[i]);
-    }
-  }
+        fixtures::dual_of(
+            test::make_mesh({.kind = test::MeshKind::tetrahedra, .size = 4, .jitter = 0.15}, 11))})
+    expect_one_owner(CommittedFaces(mesh));
 }
 
 // Which cell answers does not hang on the form, the base, or the way that faces are wound.

@@ -1,7 +1,7 @@
 // Values on cells given by faces: linear fields are met, values of cells are the solver's, and
 // vertices that move move the centres.
 #include "../query/query_test.h"
-#include "fixtures/polyhedra.h"
+#include "fixtures/poly_dual.h"
 
 using namespace insitu;
 using fixtures::CommittedFaces;
@@ -52,7 +52,7 @@ TEST(PolyhedralFields, LinearOnesAreMet) {
   dented.vertices = {{0, 0, 0}, {9, 0, 0}, {0, 9, 0}, {0, 0, 9}, {0.5, 0.5, 0.5}};
   dented.add_cell({{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 4}, {2, 3, 4}, {3, 1, 4}});
   for (const FaceMesh& mesh :
-       {fixtures::octahedra(3, 0.2), fixtures::cut_hexahedra(4, 4), dented,
+       {fixtures::octahedra(3, 0.2), fixtures::cut_hexahedra(4, 4), dented, fixtures::poly_dual(),
         fixtures::dual_of(
             test::make_mesh({.kind = test::MeshKind::tetrahedra, .size = 3, .jitter = 0.1}, 8))}) {
     CommittedFaces m(mesh);
