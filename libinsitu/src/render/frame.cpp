@@ -15,6 +15,19 @@
 
 namespace insitu::render {
 
+bool has_surfaces(const FrameSettings& settings) {
+  return !settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
+         settings.outline;
+}
+
+void check_layers(std::span<const FrameLayer> layers) {
+  for (const FrameLayer& layer : layers)
+    if (layers.size() > 1 && (layer.settings.path_tracing || layer.settings.cell))
+      throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                        std::string(layer.settings.cell ? "images of cells" : "path tracing") +
+                            " of several meshes in one frame are not there yet");
+}
+
 namespace {
 
 constexpr int tile_side = PathTracer::tile_side, volume_tile_side = 32;
@@ -27,11 +40,6 @@ struct Counters {
   PathCounts paths;
   std::int64_t hits = 0, clipped = 0;
 };
-
-bool has_surfaces(const FrameSettings& settings) {
-  return !settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
-         settings.outline;
-}
 
 class FrameRenderer {
 public:
@@ -229,14 +237,6 @@ private:
   std::vector<const Surfaces*> surfaces_; ///< these
   std::vector<const query::CulledCells*> culled_;
 };
-
-void check_layers(std::span<const FrameLayer> layers) {
-  for (const FrameLayer& layer : layers)
-    if (layers.size() > 1 && (layer.settings.path_tracing || layer.settings.cell))
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        std::string(layer.settings.cell ? "images of cells" : "path tracing") +
-                            " of several meshes in one frame are not there yet");
-}
 
 /// The image without the background; its color is times alpha.
 FrameImages draw_layers(std::span<const FrameLayer> layers, const core::Threads& threads,

@@ -110,6 +110,10 @@ FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& set
 /// INSITU_ERROR_UNSUPPORTED for what several meshes cannot have: traced paths, images of cells.
 FrameImages render_frame(std::span<const FrameLayer> layers, const core::Threads& threads,
                          FrameStatistics* statistics = nullptr);
+/// Whether there is a surface, or a line, of a mesh.
+bool has_surfaces(const FrameSettings& settings);
+/// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what several meshes cannot have.
+void check_layers(std::span<const FrameLayer> layers);
 /// Puts an image of colours times alpha over the background of the settings; its alpha then is
 /// straight.
 void put_over_background(core::Image& partial, const FrameSettings& settings,

@@ -202,6 +202,46 @@ TEST(ProcessAdaptive, Frames) {
       INSITU_NEAREST, 12);
 }
 
+/// Leaves in one frame with cubes that overlap them and are cut in another way.
+TEST(ProcessAdaptive, FramesWithAnotherMesh) {
+  const AmrMesh leaves = octree();
+  TestMesh cubes = jittered_cubes(3);
+  for (Vec3d& x : cubes.vertices)
+    x += Vec3d{1.7, 0.6, 1.5};
+  const std::string scene =
+      "insitu: 1\npage: false\nframes:\n"
+      "  - name: f\n    size: [48, 40]\n    format: [png, exr]\n    images: [color, depth]\n"
+      "    effects: [shadows, volume_shadows]\n    meshes:\n"
+      "      - {mesh: n, volume: {field: p, opacity: [[0, 0], [16, 0.04]]}, boundary: {opacity: "
+      "0.2}}\n"
+      "      - {mesh: m, volume: {field: s, opacity: [[-1, 0], [1, 0.06]], shading: true}";
+  const std::string ends[] = {", isosurfaces: [{field: s, values: [0.2], opacity: 0.5}]}\n", "}\n"};
+  for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
+    const std::string whole_scene = scene + ends[how == INSITU_NEAREST];
+    std::map<std::string, std::string> expected;
+    for (const int processes : {1, 2, 3, 4}) {
+      const OwnFolder folder;
+      const std::string out = folder / "out";
+      const fixtures::Partition partition = fixtures::boxes(cubes, processes);
+      run_processes(processes, [&](parallel::World& world) {
+        AmrSession process(world, leaves, how, deal_of(processes == 3 ? 2 : 1, processes),
+                           whole_scene, out);
+        fixtures::Part part(cubes, partition, world.rank());
+        mesh::Mesh& to = process.session().mesh("n").mesh.mesh();
+        part.give(to, true);
+        part.give_field(to, "p", INSITU_VERTEX, 1, WholeFields(cubes, 0).p);
+        EXPECT_EQ(process.execute(0), "");
+        EXPECT_EQ(process.session().finish(), "");
+      });
+      const auto files = files_of(out);
+      EXPECT_EQ(files.size(), 5u);
+      if (processes == 1)
+        expected = files;
+      expect_same(expected, files, std::to_string(processes) + " processes");
+    }
+  }
+}
+
 /// Values jump from leaf to leaf; what was drawn hung on how leaves are stored.
 TEST(ProcessAdaptive, NoIsosurfacesByNearest) {
   for (const int processes : {1, 2}) {

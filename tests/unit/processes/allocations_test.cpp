@@ -112,6 +112,32 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrame) {
   EXPECT_GT(failures, 10);
 }
 
+/// Of a second mesh, which the root lacks: volumes that overlap, and rays of light that meet what
+/// both have.
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrameOfSeveralMeshes) {
+  const int failures = lack_each(
+      "frames:\n  - {name: both, size: [20, 20], effects: [shadows, volume_shadows], lights: "
+      "[{directional: [1, 1, 2]}], meshes: [\n"
+      "     {mesh: m, volume: {field: p, shading: true}, isosurfaces: [{field: p, values: [2], "
+      "opacity: 0.5, normals: smooth}]},\n"
+      "     {mesh: n, volume: {field: p}, boundary: {opacity: 0.1, color: {field: c}}, "
+      "isosurfaces: [{field: p, values: [3], normals: central}]}]}\n",
+      37, [](Attempt& attempt) {
+        TestMesh whole = attempt.whole;
+        for (Vec3d& x : whole.vertices)
+          x += Vec3d{0.7, 0.6, 0.5};
+        FurtherMesh n(attempt.process, "n", whole, fixtures::empty_root(whole, processes),
+                      attempt.world.rank());
+        n.give_fields(0);
+        EXPECT_EQ(attempt.process.execute(0), "");
+        attempt.process.give_fields(1);
+        n.give_fields(1);
+        attempt([&] { return execute(attempt.process, 1); });
+        EXPECT_EQ(attempt.process.execute(2), "");
+      });
+  EXPECT_GT(failures, 10);
+}
+
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfTracedPaths) {
   const int failures = lack_each(
       "frames:\n  - {name: light, size: [6, 6], volume: {field: p}, isosurfaces: [{field: p, "

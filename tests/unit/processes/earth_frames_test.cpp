@@ -226,3 +226,45 @@ TEST(EarthVolume, PathsGoThroughATurn) {
     EXPECT_NEAR(sum / (16 * 16), 0.5, 3 * 0.5 / std::sqrt(128.0 * 16 * 16));
   });
 }
+
+/// Of several meshes in longitude and latitude each would end at a chart of its own: refused on all
+/// processes alike. From space they are drawn.
+TEST(EarthVolume, SeveralMeshesOverTheSeam) {
+  const TestMesh ocean = mesh_of(rings[2]);
+  TestMesh air = mesh_of(rings[1]);
+  for (Vec3d& x : air.vertices)
+    x.z += 40;
+  const std::string meshes =
+      "    meshes:\n      - {mesh: m, isosurfaces: [{field: c, values: [0.3], normals: smooth}]}\n"
+      "      - {mesh: n, volume: {field: p, opacity: [[-1, 0], [5, 0.3]], unit_distance: 400}, "
+      "boundary: {opacity: 0.3}}\n";
+  PartSession::Options options;
+  options.scene = "insitu: 1\npage: false\nframes:\n  - name: chart\n    size: [8, 8]\n" + meshes +
+                  "  - name: space\n    size: [48, 40]\n    format: [exr, png]\n"
+                  "    geocentric: {exaggeration: 20}\n" +
+                  meshes;
+  options.frame = fixtures::frame_of(units);
+  std::map<std::string, std::string> expected;
+  for (const int processes : {1, 2, 3, 4}) {
+    const fixtures::Partition of_ocean = fixtures::boxes(ocean, processes);
+    const fixtures::Partition of_air =
+        processes == 1 ? fixtures::slabs(air, 1) : fixtures::empty_root(air, processes);
+    const auto files =
+        run_parts(ocean, of_ocean, options, [&](PartSession& process, parallel::World& world) {
+          FurtherMesh n(process, "n", air, of_air, world.rank(), options.frame);
+          n.give_fields(0);
+          const std::string failures = process.execute(0);
+          EXPECT_NE(failures.find("frame 'chart'"), std::string::npos) << failures;
+          EXPECT_NE(failures.find("several meshes in one frame in longitude and latitude, with "
+                                  "cells over the seam or at a pole, are not there yet"),
+                    std::string::npos)
+              << failures;
+          EXPECT_EQ(failures.find("frame 'space'"), std::string::npos) << failures;
+        });
+    EXPECT_FALSE(files.contains("chart_000000.png"));
+    EXPECT_TRUE(files.contains("space_000000.png"));
+    if (processes == 1)
+      expected = files;
+    expect_same(expected, files, std::to_string(processes));
+  }
+}

@@ -105,6 +105,36 @@ private:
   api::Session session_;
 };
 
+/// One more mesh of a process's session, cut into parts of its own. A process without cells of it
+/// lacks it.
+class FurtherMesh {
+public:
+  FurtherMesh(PartSession& process, std::string name, const TestMesh& whole,
+              const fixtures::Partition& partition, int rank,
+              const insitu_frame& frame = insitu_frame_default())
+      : process_(&process), name_(std::move(name)), whole_(&whole), part_(whole, partition, rank) {
+    if (part_.empty())
+      return;
+    part_.give(mesh().mesh(), true);
+    mesh().reference_frame = frame;
+  }
+  void give_fields(std::int64_t cycle) {
+    if (part_.empty())
+      return;
+    const WholeFields fields(*whole_, cycle);
+    part_.give_field(mesh().mesh(), "p", INSITU_VERTEX, 1, fields.p);
+    part_.give_field(mesh().mesh(), "c", INSITU_CELL, 1, fields.c);
+  }
+
+private:
+  commit::CommittedMesh& mesh() { return process_->session().mesh(name_.c_str()).mesh; }
+
+  PartSession* process_;
+  std::string name_;
+  const TestMesh* whole_;
+  fixtures::Part part_;
+};
+
 /// A session of one process: opened, given to act(session), and closed. Warnings are failures.
 template <class Act>
 void with_session(parallel::World& world, const char* scene, const std::string& out, Act&& act) {

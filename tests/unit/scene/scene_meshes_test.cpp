@@ -1,10 +1,7 @@
 // Frames of several meshes: their keys and errors.
 #include <gtest/gtest.h>
 
-#include "core/context.h"
-#include "scene/run/runner.h"
 #include "scene_test.h"
-#include "unit/parallel/threaded_world.h"
 
 namespace insitu::test {
 namespace {
@@ -57,29 +54,6 @@ TEST(SceneMeshes, Errors) {
             std::string::npos);
   EXPECT_NE(error(frame_of(two, "geocentric: {graticule: 10}, ")).find("neither 'globe' nor"),
             std::string::npos);
-}
-
-/// As the session opens, on each process before it meets another.
-TEST(SceneMeshes, RefusedOverSeveralProcesses) {
-  const core::Log log;
-  core::Context context(1, log);
-  scene::Statistics statistics;
-  const auto open = [&](const std::string& meshes) {
-    ThreadedWorld::Shared shared(2);
-    ThreadedWorld world(shared, 0);
-    try {
-      const scene::Runner runner(scene::test::parse("page: false\n" + frame_of(meshes)), "",
-                                 context, world, statistics);
-    } catch (const core::Error& e) {
-      EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
-      return std::string(e.what());
-    }
-    return std::string();
-  };
-  EXPECT_EQ(open("[{mesh: a, boundary: {}}]"), "");
-  EXPECT_EQ(open("[{mesh: a, boundary: {}}, {mesh: b, boundary: {}}]"),
-            "s.yaml:3: frame 'f': several meshes in one frame, over several processes, are not "
-            "there yet");
 }
 
 } // namespace

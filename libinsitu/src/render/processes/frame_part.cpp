@@ -47,18 +47,44 @@ const char* why_exact(const FrameSettings& s) {
   return nullptr;
 }
 
+const char* why_exact(std::span<const FrameSettings* const> layers) {
+  const char* why = nullptr;
+  int volumes = 0;
+  for (const FrameSettings* const settings : layers) {
+    volumes += settings->volume.has_value();
+    why = why ? why : why_exact(*settings);
+  }
+  return volumes > 1 ? "volumes of several meshes are blended sample by sample" : why;
+}
+
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
-                                const FrameSettings& asked, Structures& structures,
+                                const FrameSettings& settings, Structures& structures,
+                                const core::Threads& threads, FrameStatistics* statistics) {
+  const FrameLayer layer{sampler, settings, structures};
+  return render_shared_frame(std::span(&part, 1), std::span(&layer, 1), threads, statistics);
+}
+
+FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<const FrameLayer> asked,
                                 const core::Threads& threads, FrameStatistics* statistics) {
   const core::Timer timer;
-  FrameSettings settings; // with what is found out about the whole mesh
+  const FramePart& part = parts[0];
+  std::vector<FrameSettings> all; // with what is found out about the whole meshes
+  std::vector<FrameLayer> layers;
+  std::vector<std::optional<SharedFrame::Known>> known;
   part.world.agree_after([&] {
-    check_shared(asked, part.has_halo);
-    settings = asked;
+    check_layers(asked);
+    all.reserve(asked.size());
+    for (std::size_t l = 0; l < asked.size(); ++l) {
+      check_shared(asked[l].settings, parts[l].has_halo);
+      layers.push_back(
+          {asked[l].sampler, all.emplace_back(asked[l].settings), asked[l].structures});
+    }
+    known.resize(asked.size());
   });
+  FrameSettings& settings = all[0];
   PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
   const bool several = settings.samples_per_pixel > 1, is_root = part.world.is_root();
-  const core::CountedAllocator<float> counted(structures.memory(), INSITU_MEMORY_FRAME);
+  const core::CountedAllocator<float> counted(layers[0].structures.memory(), INSITU_MEMORY_FRAME);
   const auto blank = [&] {
     return FrameImages{is_root ? core::Image(settings.width, settings.height, counted)
                                : core::Image(0, 0, counted),
@@ -68,10 +94,11 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
   FrameImages images, one;
   std::optional<PixelAverage> average;
   std::optional<SharedFrame> frame;
-  const SharedFrame::Known known(part, sampler, settings, structures, threads);
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    known[l].emplace(parts[l], layers[l], threads);
   part.world.agree_after([&] {
     if (settings.path_tracing)
-      settings.path_tracing->majorants = known.path_majorants.get();
+      settings.path_tracing->majorants = known[0]->path_majorants.get();
     if (sums)
       sums->begin(settings.width, settings.height, is_root);
     average.emplace(settings);
@@ -82,7 +109,7 @@ FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sam
       images.cell.resize(images.color.rgba.size() / 4);
     if (several)
       one = blank();
-    frame.emplace(part, sampler, settings, known, structures, threads);
+    frame.emplace(parts, layers, known, threads);
   });
   const double prepared = timer.seconds();
   for (const PixelAverage::Sample& sample : average->samples()) {

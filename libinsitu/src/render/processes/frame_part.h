@@ -3,17 +3,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 
 #include "parallel/world.h"
 #include "render/frame.h"
 #include "render/processes/compositing.h"
 
-/// Frames of a mesh that is spread over processes (design/parallel.md): tiles of the image go round
-/// the processes; each finds hits and claims samples in its own cells, and sends them to the
+/// Frames of meshes that are spread over processes (design/parallel.md): tiles of the image go
+/// round the processes; each finds hits and claims samples in its own cells, and sends them to the
 /// tile's owner, which runs the code of frames of one process on what it gets.
 namespace insitu::render {
 
-/// What a process has to do with a frame of several.
+/// What a process has to do with a mesh of a frame of several.
 struct FramePart {
   parallel::World& world;
   /// Flat cells below this are of this process, the others came from other processes.
@@ -41,6 +42,8 @@ struct FramePart {
 
 /// Why a frame's volume is drawn as by Compositing::exact in any case; null: there is no reason.
 const char* why_exact(const FrameSettings& settings);
+/// The same of the volumes of several meshes.
+const char* why_exact(std::span<const FrameSettings* const> layers);
 
 /// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what is not there yet on several processes.
 void check_shared(const FrameSettings& settings, bool has_halo);
@@ -54,6 +57,11 @@ void check_shared(const FrameSettings& settings, bool has_halo);
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
                                 const FrameSettings& settings, Structures& structures,
                                 const core::Threads& threads,
+                                FrameStatistics* statistics = nullptr);
+/// Draws a frame of several meshes, each of which has a cell somewhere. parts: of the layers; they
+/// differ by cells alone.
+FrameImages render_shared_frame(std::span<const FramePart> parts,
+                                std::span<const FrameLayer> layers, const core::Threads& threads,
                                 FrameStatistics* statistics = nullptr);
 
 } // namespace insitu::render

@@ -7,9 +7,10 @@
 namespace insitu::render {
 
 void SharedFrame::find_solvers_cells() {
+  const SharedTiles& tiles = layers_[0].tiles; // of one mesh alone
   std::vector<TileParcel> questions, answers;
   part_.world.agree_after([&] {
-    for_tiles(own_count_, [&](std::size_t i) { complete(own_[i]); });
+    for_tiles(own_count_, [&](std::size_t i) { complete(i); });
     for (std::size_t i = 0; i < own_count_; ++i)
       if (const std::vector<std::byte> asked = ask_solvers_cells(own_[i]); !asked.empty())
         for (const int source : own_[i].sources)
@@ -21,12 +22,12 @@ void SharedFrame::find_solvers_cells() {
     for_tiles(received.size(), [&](std::size_t i) {
       const TileParcel& asked = received[i];
       answers[before + i] = {asked.rank, asked.slot,
-                             answer_solvers_cells(near_of(asked.slot), asked.reader())};
+                             answer_solvers_cells(tiles.near_of(asked.slot), asked.reader())};
     });
   });
   mail_.exchange_in_turns(std::move(answers), [&](const std::vector<TileParcel>& received) {
     for (const TileParcel& answer : received)
-      take_solvers_cells(own_of(answer.slot), answer.reader());
+      take_solvers_cells(tiles.own_of(answer.slot), answer.reader());
   });
 }
 

@@ -6,41 +6,41 @@
 #include "accel/tree/tree.h"
 #include "render/processes/shown_elsewhere.h"
 #include "render/processes/whole_macrocells.h"
+#include "render/volume/volumes_together.h"
 
 namespace insitu::render {
 
 namespace {
-
-/// Rounds of composited samples are longer: what is sent of them hardly grows, and that a ray is
-/// saturated is told late.
-constexpr int claims_a_round = 4;
 
 bool sends_rays(const Lighting& lighting) {
   return lighting.volume_shadows ||
          (lighting.enabled && (lighting.shadows || lighting.occlusion_samples > 0));
 }
 
+bool traces(const FrameSettings& settings) {
+  return settings.volume && settings.path_tracing;
+}
+
 } // namespace
 
-SharedFrame::Known::Known(const FramePart& part, const query::Sampler& sampler,
-                          const FrameSettings& settings, Structures& structures,
+SharedFrame::Known::Known(const FramePart& part, const FrameLayer& layer,
                           const core::Threads& threads) {
-  const bool traces = settings.volume && settings.path_tracing;
-  if (sends_rays(settings.lighting) || has_central_normals(settings) || traces) {
+  const auto& [sampler, settings, structures] = layer;
+  if (sends_rays(settings.lighting) || has_central_normals(settings) || traces(settings)) {
     std::vector<mesh::Box> boxes;
     query::Directory gathered;
     part.world.agree_after([&] { boxes = query::boxes_of(sampler.tree()); });
     gathered.gather(boxes, part.world);
     part.world.agree_after([&] { where.emplace(gathered, mesh_diagonal(sampler)); });
   }
-  if (traces)
+  if (traces(settings))
     path_majorants = whole_path_majorants(part, sampler, settings, structures, threads);
   else if (settings.volume)
-    know_volume(part, sampler, settings, structures);
+    know_volume(part, layer);
 }
 
-void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler& sampler,
-                                     const FrameSettings& settings, Structures& structures) {
+void SharedFrame::Known::know_volume(const FramePart& part, const FrameLayer& layer) {
+  const auto& [sampler, settings, structures] = layer;
   std::optional<MacrocellGrid> grid;
   if (settings.volume->tolerance) {
     const CellWidths widths = whole_widths(part.world, sampler, structures);
@@ -71,73 +71,119 @@ void SharedFrame::Known::know_volume(const FramePart& part, const query::Sampler
   });
 }
 
-SharedFrame::SharedFrame(const FramePart& part, const query::Sampler& sampler,
-                         const FrameSettings& settings, const Known& known, Structures& structures,
-                         const core::Threads& threads)
-    : part_(part), sampler_(sampler), settings_(settings), threads_(threads),
-      rays_(settings.camera, settings.width, settings.height), mail_(part.world, part.most_bytes) {
-  const bool traces = settings.volume && settings.path_tracing;
-  if (settings.volume && !traces) {
-    volume_.emplace(sampler, *settings.volume, known.volume, settings.lighting,
-                    !settings.clips.empty());
-    volume_->take_part();
-    claimed_ = ClaimReader::most_depth / volume_->group() * volume_->group();
-    composites_ =
-        part.compositing == Compositing::standard && part.world.size() > 1 && !why_exact(settings);
-    depth_ = composites_ ? claims_a_round * claimed_ : claimed_;
+SharedFrame::SharedFrame(std::span<const FramePart> parts, std::span<const FrameLayer> layers,
+                         std::span<const std::optional<Known>> known, const core::Threads& threads)
+    : part_(parts[0]), settings_(layers[0].settings), threads_(threads),
+      rays_(settings_.camera, settings_.width, settings_.height),
+      mail_(part_.world, part_.most_bytes) {
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    layers_.emplace_back(parts[l], layers[l]);
+    volumes_ += layers[l].settings.volume && !traces(layers[l].settings);
   }
-  if (!settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
-      settings.outline)
-    surfaces_.emplace(sampler, settings, structures, Surfaces::Parts::shared);
-  const bool meets = surfaces_ && settings.lighting.volume_shadows;
-  if (meets && volume_)
-    volume_->set_surfaces(&*surfaces_);
-  // Otherwise where two processes claim a sample alone.
-  tells_cells_ = settings.cell || (volume_ && (volume_->light_shader() || volume_->has_levels()));
-  if (composites_)
-    form_ = {surfaces_.has_value(), volume_->is_preintegrated(), volume_->is_lit()};
-  if (hits_send_rays() || (volume_ && volume_->light_shader()) || (meets && traces))
-    light_.emplace(part, settings, *surfaces_, *known.where, mail_, threads);
-  if (has_central_normals(settings))
-    normals_.emplace(part, sampler_, *surfaces_, *known.where, mail_, threads);
-  if (traces)
-    begin_paths(known, meets, structures);
-  groups_ = tile_groups(settings.width, settings.height, part.world.size(), tiles_a_group(),
-                        traces ? PathTracer::tile_side : FrameTile::marched_side);
+  begin_surfaces(layers);
+  begin_light(known);
+  begin_volumes(layers, known);
+  if (traces(settings_))
+    begin_paths(layers[0], *known[0]);
+  const bool by_paths = tracer_ || volumes_ > 1; // so many rays together as one process takes
+  groups_ = tile_groups(settings_.width, settings_.height, part_.world.size(), tiles_a_group(),
+                        by_paths ? PathTracer::tile_side : FrameTile::marched_side);
+}
+
+void SharedFrame::begin_surfaces(std::span<const FrameLayer> layers) {
+  const bool shadows_others =
+      settings_.lighting.volume_shadows &&
+      std::any_of(layers.begin(), layers.end(),
+                  [](const FrameLayer& layer) { return has_surfaces(layer.settings); });
+  for (std::size_t l = 0; l < layers.size(); ++l) {
+    Layer& layer = layers_[l];
+    if (!has_surfaces(layer.settings) && !(layer.settings.volume && shadows_others))
+      continue;
+    layer.surfaces.emplace(layer.sampler, layer.settings, layers[l].structures,
+                           Surfaces::Parts::shared);
+    layer.surfaces->join(std::int32_t(l), {}); // what rays of light meet is asked for
+    if (first_surfaces_)
+      continue;
+    first_surfaces_ = &*layer.surfaces;
+    first_surfaced_ = l;
+  }
+}
+
+void SharedFrame::begin_light(std::span<const std::optional<Known>> known) {
+  std::vector<SharedLight::Layer> lit;
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    Layer& layer = layers_[l];
+    const CellBoxes* const where = known[l]->where ? &*known[l]->where : nullptr;
+    lit.push_back(
+        {&layer.part, &layer.settings, layer.surfaces ? &*layer.surfaces : nullptr, where});
+    if (has_central_normals(layer.settings))
+      layer.normals.emplace(layer.part, layer.sampler, *layer.surfaces, *where, mail_, threads_);
+  }
+  if (first_surfaces_ && sends_rays(settings_.lighting))
+    light_.emplace(std::move(lit), mail_, threads_);
+}
+
+void SharedFrame::begin_volumes(std::span<const FrameLayer> layers,
+                                std::span<const std::optional<Known>> known) {
+  std::vector<const FrameSettings*> settings;
+  for (const FrameLayer& layer : layers)
+    settings.push_back(&layer.settings);
+  SharedVolume::Beside beside;
+  beside.has_surfaces = first_surfaces_ != nullptr;
+  if (first_surfaces_ && settings_.lighting.volume_shadows)
+    beside.shadows = first_surfaces_;
+  beside.light = light_ ? &*light_ : nullptr;
+  beside.light_first = first_surfaced_;
+  beside.is_exact = part_.compositing == Compositing::exact || part_.world.size() == 1 ||
+                    why_exact(settings) != nullptr;
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    if (Layer& layer = layers_[l]; layer.settings.volume && !traces(layer.settings))
+      layer.volume.emplace(layer.part, layer.sampler, layer.settings, known[l]->volume, beside,
+                           mail_, threads_);
 }
 
 /// So many that about most_bytes are on their way at a time; with paths, that those of a process's
-/// tiles take about as much there.
+/// tiles take about as much there, and so with stretches of several volumes, where a process has
+/// one tile at least.
 std::int64_t SharedFrame::tiles_a_group() const {
-  const auto most = std::int64_t(part_.most_bytes);
+  const auto most = std::int64_t(part_.most_bytes), processes = std::int64_t(part_.world.size());
   if (tracer_) {
     const std::int64_t paths = std::int64_t(SharedPaths::bytes_a_tile / sizeof(Path));
     const std::int64_t on_the_way = paths * (bytes_a_path_place + bytes_a_place_value);
-    return std::clamp<std::int64_t>(part_.world.size() *
-                                        (most / std::int64_t(SharedPaths::bytes_a_tile)),
-                                    1, std::max<std::int64_t>(1, most / on_the_way));
+    return std::clamp<std::int64_t>(processes * (most / std::int64_t(SharedPaths::bytes_a_tile)), 1,
+                                    std::max<std::int64_t>(1, most / on_the_way));
   }
-  const std::int64_t bytes_a_ray =
-      claimed_ * (bytes_a_sample + bytes_a_change + // in any case of some rays
-                  (volume_ && volume_->is_lit() ? bytes_a_gradient : 0) +
-                  (volume_ && volume_->is_lit_by_place() ? bytes_a_place : 0) +
-                  (volume_ && volume_->has_levels() ? bytes_a_level : 0));
-  return std::max<std::int64_t>(1, most / (bytes_a_ray * FrameTile::most_rays));
+  std::int64_t bytes_a_ray =
+      volumes_ > 0 ? 0 : ClaimReader::most_depth * (bytes_a_sample + bytes_a_change);
+  double kept = 0; // bytes of a ray's stretches, of all volumes
+  for (const Layer& layer : layers_)
+    if (layer.volume) {
+      bytes_a_ray = std::max(bytes_a_ray, layer.volume->bytes_a_ray());
+      kept += sizeof(RayState) +
+              sizeof(VolumeStretch) * mesh_diagonal(layer.sampler) / layer.volume->marcher().step();
+    }
+  const auto at_most = std::max<std::int64_t>(1, most / (bytes_a_ray * FrameTile::most_rays));
+  if (volumes_ < 2)
+    return at_most;
+  const auto owned = std::int64_t(double(most) / (kept * FrameTile::most_rays));
+  return std::min(at_most, processes * std::max<std::int64_t>(1, owned));
 }
 
-void SharedFrame::begin_paths(const Known& known, bool meet_surfaces, Structures& structures) {
+void SharedFrame::begin_paths(const FrameLayer& of, const Known& known) {
+  Layer& layer = layers_[0];
   PathTracingSettings tracing = *settings_.path_tracing;
   const PathSums* const sums = tracing.sums;
   tracing.sums = nullptr; // the root adds up
-  tracer_.emplace(sampler_, *settings_.volume, tracing, settings_.camera, settings_.lighting.lights,
-                  settings_.clips, structures, threads_);
+  tracer_.emplace(layer.sampler, *settings_.volume, tracing, settings_.camera,
+                  settings_.lighting.lights, settings_.clips, of.structures, threads_);
   tracer_->set_samples(tracing.samples, sums ? sums->samples : 0, 1,
                        settings_.depth || settings_.cell);
-  if (meet_surfaces)
-    tracer_->set_surfaces(&*surfaces_);
-  paths_.emplace(part_, settings_, *tracer_, meet_surfaces ? &*surfaces_ : nullptr,
-                 meet_surfaces ? &*light_ : nullptr,
-                 meet_surfaces && normals_ ? &*normals_ : nullptr, *known.where, mail_, threads_);
+  const bool meets = layer.surfaces && settings_.lighting.volume_shadows;
+  if (meets)
+    tracer_->set_surfaces(&*layer.surfaces);
+  paths_.emplace(part_, settings_, *tracer_, meets ? &*layer.surfaces : nullptr,
+                 meets ? &*light_ : nullptr, meets && layer.normals ? &*layer.normals : nullptr,
+                 *known.where, mail_, threads_);
 }
 
 void SharedFrame::set_sample(const PixelAverage::Sample& sample) {
@@ -155,8 +201,7 @@ void SharedFrame::draw(FrameImages& images) {
     find_hits();
     if (paths_)
       trace_paths();
-    if (volume_)
-      march();
+    march();
     finish(images);
   }
 }
@@ -167,8 +212,15 @@ void SharedFrame::add_to(FrameStatistics& statistics) const {
   statistics.hits += hits_;
   if (light_)
     statistics.add(light_->counts());
-  statistics.step = volume_ ? volume_->step() : 0.0;
-  statistics.unheld = volume_ ? volume_->unheld() : 0;
+  statistics.step = 0;
+  statistics.unheld = 0;
+  for (const Layer& layer : layers_)
+    if (layer.volume) {
+      const double step = layer.volume->marcher().step();
+      statistics.add(layer.volume->counts());
+      statistics.step = statistics.step > 0 ? std::min(statistics.step, step) : step;
+      statistics.unheld += layer.volume->marcher().unheld();
+    }
   statistics.bytes_sent += mail_.bytes_sent();
   statistics.parcels_sent += mail_.parcels_sent();
   statistics.exchanges += mail_.exchanges();
@@ -193,107 +245,61 @@ void SharedFrame::begin(const FrameTile& tile, std::vector<RayState>& rays) cons
 
 /// Which tiles of the group are this process's, and in which its cells may be seen.
 void SharedFrame::begin_group() {
-  own_count_ = near_count_ = 0;
-  const accel::Tree& tree = sampler_.tree();
-  const ViewSpace view = rays_.view();
-  for (std::uint32_t slot = 0; slot < group_->size(); ++slot) {
-    const FrameTile& tile = tile_of(slot);
-    if (tile.owner == part_.world.rank()) {
+  own_count_ = 0;
+  for (std::uint32_t slot = 0; slot < group_->size(); ++slot)
+    if (tile_of(slot).owner == part_.world.rank()) {
       if (own_.size() == own_count_)
         own_.emplace_back();
       OwnTile& own = own_[own_count_++];
       own.slot = slot;
       own.sources.clear();
     }
+  for (Layer& layer : layers_)
+    begin_group(layer);
+}
+
+void SharedFrame::begin_group(Layer& layer) {
+  const accel::Tree& tree = layer.sampler.tree();
+  const ViewSpace view = rays_.view();
+  std::size_t near_count = 0;
+  for (std::uint32_t slot = 0; slot < group_->size(); ++slot) {
+    const FrameTile& tile = tile_of(slot);
     if (!tree.empty() && may_meet(view.frustum(tile.x0, tile.y0, tile.x1 - 1, tile.y1 - 1),
                                   tree.bounds_min(), tree.bounds_max())) {
-      if (near_.size() == near_count_)
-        near_.emplace_back();
-      near_[near_count_++].slot = slot;
+      if (layer.near.size() == near_count)
+        layer.near.emplace_back();
+      layer.near[near_count++].slot = slot;
     }
+  }
+  layer.tiles = {group_, own_tiles(), {layer.near.data(), near_count}};
+  if (volumes_ < 2 || !layer.volume)
+    return;
+  if (layer.alone.size() < own_count_)
+    layer.alone.resize(own_count_);
+  layer.tiles.own = {layer.alone.data(), own_count_};
+  for (std::size_t i = 0; i < own_count_; ++i) {
+    layer.alone[i].slot = own_[i].slot;
+    layer.alone[i].sources.clear();
   }
 }
 
-SharedFrame::OwnTile& SharedFrame::own_of(std::uint32_t slot) {
-  return *std::find_if(own_.begin(), own_.begin() + std::ptrdiff_t(own_count_),
-                       [&](const OwnTile& tile) { return tile.slot == slot; });
-}
-SharedFrame::NearTile& SharedFrame::near_of(std::uint32_t slot) {
-  return *std::find_if(near_.begin(), near_.begin() + std::ptrdiff_t(near_count_),
-                       [&](const NearTile& tile) { return tile.slot == slot; });
-}
-
-/// All processes find hits in their cells, and say by that where their cells may be seen; owners
-/// shade what is seen.
-void SharedFrame::find_hits() {
-  std::vector<TileParcel> parcels;
-  part_.world.agree_after([&] {
-    begin_group();
-    for_tiles(near_count_, [&](std::size_t i) { find_own_hits(near_[i]); });
-    for_tiles(own_count_, [&](std::size_t i) { begin(tile_of(own_[i].slot), own_[i].rays); });
-  });
-  if (normals_)
-    normals_->find(near_count_, [&](std::size_t i) { return rays_of(near_[i]); });
-  part_.world.agree_after([&] {
-    parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) { parcels[i] = take_own_hits(near_[i]); });
-  });
-  mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
-    for (const TileParcel& parcel : received) {
-      OwnTile& tile = own_of(parcel.slot);
-      tile.sources.push_back(parcel.rank);
-      read_hits(parcel.reader(), hits_send_rays(), parcel.rank, {}, tile.rays);
-    }
-  });
-  part_.world.agree_after([&] { for_tiles(own_count_, [&](std::size_t i) { order(own_[i]); }); });
-  if (hits_send_rays())
-    light_hits();
-}
-
-void SharedFrame::find_own_hits(NearTile& near) {
-  const FrameTile& tile = tile_of(near.slot);
-  begin(tile, near.rays);
-  if (!surfaces_)
-    return;
-  thread_local IsosurfaceTile search; // for the thread's life
-  SurfaceCounts counts;
-  const std::span<RayState> rays = rays_of(near);
-  if (const IsosurfaceTracer* const tiled = surfaces_->tiled()) {
-    search.trace(*tiled, rays_, settings_.clips, tile.x0, tile.y0, tile.x1, tile.y1, counts);
-    surfaces_->find_own(rays, &search, counts);
-  } else {
-    surfaces_->find_own(rays, nullptr, counts);
-  }
-  const std::lock_guard lock(mutex_);
-  surface_counts_ += counts;
-}
-
-/// The hits that a tile's owner gets.
-TileParcel SharedFrame::take_own_hits(NearTile& near) {
-  thread_local ByteWriter writer; // for the thread's life
-  writer.clear();
-  const std::span<RayState> rays = rays_of(near);
-  write_hits(rays, part_.key, hits_send_rays(), writer);
-  for (RayState& ray : rays)
-    ray.hits.clear();
-  return {tile_of(near.slot).owner, near.slot, writer.bytes()};
-}
-
-/// Puts hits in order, and lights them if that takes no rays.
-void SharedFrame::order(OwnTile& tile) {
-  SurfaceCounts counts;
-  const std::span<RayState> rays = rays_of(tile);
-  if (!surfaces_)
-    return;
-  surfaces_->put_in_order(rays);
-  if (!hits_send_rays())
-    surfaces_->finish(rays, counts);
-  std::int64_t hits = 0;
-  for (const RayState& ray : rays)
-    hits += std::int64_t(ray.hits.size());
-  const std::lock_guard lock(mutex_);
-  hits_ += hits;
-  surface_counts_ += counts;
+/// Volumes one after the other: one with the hits of all meshes, or each alone, to be blended when
+/// the pixels are finished.
+void SharedFrame::march() {
+  if (volumes_ > 1)
+    part_.world.agree_after([&] {
+      for (Layer& layer : layers_)
+        if (layer.volume)
+          for_tiles(own_count_, [&](std::size_t i) {
+            const std::span<RayState> rays = rays_of(own_[i]);
+            layer.alone[i].rays.resize(FrameTile::most_rays);
+            for (std::size_t r = 0; r < rays.size(); ++r)
+              begin_alone(layer.alone[i].rays[r], rays[r]);
+          });
+    });
+  for (Layer& layer : layers_)
+    if (layer.volume)
+      layer.volume->march(layer.tiles);
 }
 
 void SharedFrame::trace_paths() {

@@ -29,13 +29,15 @@ std::vector<std::byte> SharedLight::answer(const Shader& shader, const TileParce
       shader, received.points.size(),
       [&](std::size_t i) -> const SurfacePoint& { return received.points[i]; }, sent);
   ByteWriter writer;
-  write_met(rays, received.starts, counts, writer);
+  write_met(layer_of(asked.slot), rays, received.starts, counts, writer);
   count(counts);
   return writer.bytes();
 }
 
-void SharedLight::write_met(const Rays& rays, std::span<const SecondaryStart> starts,
-                            SurfaceCounts& counts, ByteWriter& to) const {
+void SharedLight::write_met(std::size_t layer, const Rays& rays,
+                            std::span<const SecondaryStart> starts, SurfaceCounts& counts,
+                            ByteWriter& to) const {
+  const Layer& of = layers_[layer];
   thread_local std::vector<Stretch> stays[RayCells::most]; // these two for the thread's life
   thread_local std::vector<SurfaceHit> hits[RayCells::most];
   struct Where {
@@ -50,16 +52,16 @@ void SharedLight::write_met(const Rays& rays, std::span<const SecondaryStart> st
       for (std::size_t i = 0; i < count; ++i) {
         const Rays::One& one = rays.all[stream[first + i]];
         light[i] = {one.ray, &stays[i], starts.empty() ? nullptr : &starts[one.point]};
-        clip_ray(settings_.clips, one.ray, 0, one.t_max, stays[i]);
+        clip_ray(of.settings->clips, one.ray, 0, one.t_max, stays[i]);
       }
-      const unsigned ended = surfaces_.collect(std::span(light, count), hits, counts);
+      const unsigned ended = of.surfaces->collect(std::span(light, count), hits, counts);
       for (std::size_t i = 0; i < count; ++i) {
         Where& at = met[stream[first + i]];
         at.first = std::uint32_t(found.size());
         at.count = ended >> i & 1 ? ray_ends : std::uint32_t(hits[i].size());
         if (at.count != ray_ends)
           for (const SurfaceHit& hit : hits[i])
-            found.emplace_back(hit, part_.key(hit.cell));
+            found.emplace_back(hit, of.part->key(hit.cell));
       }
     }
   std::vector<std::uint64_t> bits(words_of(met.size()));
@@ -74,9 +76,11 @@ void SharedLight::write_met(const Rays& rays, std::span<const SecondaryStart> st
     }
 }
 
-/// The samples of the volume that show here, of the rays that are open: how many, and these.
-std::vector<std::byte> SharedLight::answer_shadow(const Shader& shader, const VolumeShadow& shadow,
-                                                  const TileParcel& asked, ByteReader open) {
+/// The samples of a volume that show here, of the rays that are open: how many, and these.
+std::vector<std::byte> SharedLight::answer_shadow(const Shader& shader, const TileParcel& asked,
+                                                  ByteReader open) {
+  const Layer& of = layers_[layer_of(asked.slot)];
+  const VolumeShadow& shadow = *of.surfaces->volume_shadow();
   const Received received(asked);
   SurfaceCounts counts, sent;
   const Rays rays(
@@ -89,12 +93,12 @@ std::vector<std::byte> SharedLight::answer_shadow(const Shader& shader, const Vo
     if (!(bits[r / 64] >> (r % 64) & 1))
       continue;
     claims.clear();
-    shadow.claim(rays.all[r].ray, rays.all[r].t_max, part_.own_cells, claims,
+    shadow.claim(rays.all[r].ray, rays.all[r].t_max, of.part->own_cells, claims,
                  counts.shadow_samples);
     writer.value(std::uint32_t(claims.size()));
     for (const VolumeShadow::Claim& claim : claims)
       writer.value(
-          SentShadowSample{part_.key(claim.cell), std::int32_t(claim.index), claim.opacity});
+          SentShadowSample{of.part->key(claim.cell), std::int32_t(claim.index), claim.opacity});
   }
   count(counts);
   return writer.bytes();

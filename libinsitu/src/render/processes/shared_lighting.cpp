@@ -1,32 +1,16 @@
 #include <algorithm>
 #include <bit>
 
-#include "render/processes/shared_frame.h"
+#include "render/processes/shared_volume.h"
 
-/// What rays of light reach of the surfaces and the volume of a frame of several processes.
+/// What rays of light reach of a volume of a frame of several processes.
 namespace insitu::render {
-
-/// Lights the hits of own tiles by rays that all processes follow.
-void SharedFrame::light_hits() {
-  std::vector<SharedLight::Seen> seen;
-  part_.world.agree_after([&] {
-    seen.resize(own_count_);
-    for_tiles(own_count_, [&](std::size_t i) {
-      seen[i].slot = own_[i].slot;
-      surfaces_->see(rays_of(own_[i]), seen[i].hits);
-    });
-  });
-  light_->light(seen);
-  part_.world.agree_after([&] {
-    for_tiles(own_count_, [&](std::size_t i) { surfaces_->add_lines(rays_of(own_[i])); });
-  });
-}
 
 /// The points of the next claims that are to be lit, with not too many rays; and of each of these
 /// claims, ray by ray, which of its samples.
-void SharedFrame::take_points(const OwnTile& tile, ClaimReader ahead, const Round& round,
-                              SharedLight::Batch& batch, LitSamples& lit) const {
-  const Shader& shader = *volume_->light_shader();
+void SharedVolume::take_points(const OwnTile& tile, ClaimReader ahead, const Round& round,
+                               SharedLight::Batch& batch, LitSamples& lit) const {
+  const Shader& shader = *volume_.light_shader();
   std::size_t sent = 0;
   batch.slot = tile.slot;
   batch.points.clear();
@@ -35,8 +19,8 @@ void SharedFrame::take_points(const OwnTile& tile, ClaimReader ahead, const Roun
     const std::size_t r = ahead.ray();
     const std::uint32_t wanted =
         round.is_thin ? 1u
-                      : volume_->lit_samples(tile.rays[r], *tile.progress, r, round.first,
-                                             ahead.wanted(), ahead.samples(), ahead.levels());
+                      : volume_.lit_samples(tile.rays[r], *tile.progress, r, round.first,
+                                            ahead.wanted(), ahead.samples(), ahead.levels());
     lit.push_back(wanted);
     for (std::uint32_t rest = wanted; rest; rest &= rest - 1)
       if (const auto point = lit_point(tile, ahead, std::countr_zero(rest))) {
@@ -47,32 +31,33 @@ void SharedFrame::take_points(const OwnTile& tile, ClaimReader ahead, const Roun
 }
 
 /// Gathers claims whose light is found by rays that all processes follow.
-void SharedFrame::gather_by_rays_of_light(std::span<const TileParcel> received,
-                                          const Round& round) {
-  const Shader& shader = *volume_->light_shader();
+void SharedVolume::gather_by_rays_of_light(std::span<const TileParcel> received,
+                                           const Round& round) {
+  const Shader& shader = *volume_.light_shader();
   std::vector<ClaimReader> claims;
   std::vector<SharedLight::Batch> batches;
   std::vector<LitSamples> lit;
   part_.world.agree_after([&] {
-    for (std::size_t i = 0; i < own_count_; ++i)
-      claims.push_back(claims_of(own_[i], received, round));
-    batches.resize(own_count_);
-    lit.resize(own_count_);
+    for (std::size_t i = 0; i < tiles_.own.size(); ++i)
+      claims.push_back(claims_of(tiles_.own[i], received, round));
+    batches.resize(tiles_.own.size());
+    lit.resize(tiles_.own.size());
   });
   for (;;) {
     std::int64_t rays = 0;
     part_.world.agree_after([&] {
-      for_tiles(own_count_,
-                [&](std::size_t i) { take_points(own_[i], claims[i], round, batches[i], lit[i]); });
+      for_tiles(tiles_.own.size(), [&](std::size_t i) {
+        take_points(tiles_.own[i], claims[i], round, batches[i], lit[i]);
+      });
       for (const LitSamples& samples : lit)
         rays += std::int64_t(samples.size());
     });
     part_.world.reduce(std::span(&rays, 1), parallel::Reduction::greatest);
     if (rays == 0)
       return;
-    light_->ask(shader, nullptr, batches);
+    beside_.light->ask(beside_.light_first, shader, false, batches);
     part_.world.agree_after([&] {
-      for_tiles(own_count_, [&](std::size_t i) {
+      for_tiles(tiles_.own.size(), [&](std::size_t i) {
         auto point = batches[i].points.begin();
         const double* open = batches[i].open.data();
         const auto next_open = [&](int) { return *open++; };
@@ -81,11 +66,11 @@ void SharedFrame::gather_by_rays_of_light(std::span<const TileParcel> received,
           for (std::uint32_t rest = wanted; rest; rest &= rest - 1) {
             const int k = std::countr_zero(rest);
             Color light{1, 1, 1};
-            if (lit_point(own_[i], claims[i], k))
+            if (lit_point(tiles_.own[i], claims[i], k))
               light = shader.factor((point++)->at, next_open);
             claims[i].set_light(k, {light.r, light.g, light.b});
           }
-          take(own_[i], claims[i], round);
+          take(tiles_.own[i], claims[i], round);
         }
       });
     });

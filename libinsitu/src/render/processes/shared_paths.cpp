@@ -211,7 +211,7 @@ std::vector<std::byte> SharedPaths::answer(const TileParcel& asked, const WallRa
     rays.push_back(light_ray({sent.origin, sent.direction}, sent.t_max, i));
   }
   SurfaceCounts none; // as of one process, which does not count them either
-  light_->write_met(SharedLight::Rays(std::move(rays)), {}, none, writer);
+  light_->write_met(0, SharedLight::Rays(std::move(rays)), {}, none, writer);
   write_hits(walls, part_.key, surfaces_->light_shader(), writer);
   return writer.bytes();
 }
@@ -274,7 +274,7 @@ void SharedPaths::take(Batch& batch, std::span<const TileParcel> answers) const 
   }
   if (!surfaces_)
     return;
-  light_->pass(rays, met, open);
+  light_->pass(0, rays, met, open);
   for (std::size_t i = 0; i < batch.lights.size(); ++i)
     batch.lights[i]->open = open[i];
   take_walls(batch);
@@ -320,7 +320,7 @@ void SharedPaths::light_walls() {
         surfaces_->light(of_tile.hits, none);
   });
   if (surfaces_->light_shader())
-    light_->light(seen);
+    light_->light(0, seen);
   part_.world.agree_after([&] {
     for (std::size_t b = 0; b < count_; ++b)
       for (std::size_t i = 0; i < batches_[b].walls.size(); ++i)

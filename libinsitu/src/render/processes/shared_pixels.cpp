@@ -1,4 +1,5 @@
 #include "render/processes/shared_frame.h"
+#include "render/volume/volumes_together.h"
 
 /// How the pixels of a frame of several processes come to the root.
 namespace insitu::render {
@@ -29,11 +30,22 @@ void SharedFrame::finish(FrameImages& images) {
   });
 }
 
-/// Gathers what is left of the rays; again, nothing.
-void SharedFrame::complete(OwnTile& tile) const {
-  const std::span<RayState> rays = rays_of(tile);
-  if (volume_)
-    volume_->finish(rays, *tile.progress);
+/// Gathers what is left of the rays; again, nothing, unless there are several volumes.
+void SharedFrame::complete(std::size_t own) {
+  thread_local std::vector<std::span<const VolumeStretch>> stretches; // for the thread's life
+  const std::span<RayState> rays = rays_of(own_[own]);
+  for (Layer& layer : layers_)
+    if (layer.volume) {
+      OwnTile& tile = layer.tiles.own[own];
+      layer.volume->marcher().finish(layer.tiles.rays_of(tile), *tile.progress);
+    }
+  for (std::size_t r = 0; r < rays.size() && volumes_ > 1; ++r) {
+    stretches.clear();
+    for (const Layer& layer : layers_)
+      if (layer.volume)
+        stretches.push_back(layer.alone[own].rays[r].stretches);
+    blend_together(rays[r], stretches);
+  }
   for (RayState& state : rays)
     while (state.next_hit < state.hits.size() && !state.is_saturated())
       state.blend_next_hit();
@@ -44,7 +56,7 @@ TileParcel SharedFrame::finish(std::size_t own) {
   writer.clear();
   VolumeCounts counts;
   OwnTile& tile = own_[own];
-  complete(tile);
+  complete(own);
   const std::span<RayState> rays = rays_of(tile);
   for (std::size_t r = 0; r < rays.size(); ++r) {
     const RayState& state = rays[r];
@@ -53,8 +65,12 @@ TileParcel SharedFrame::finish(std::size_t own) {
       writer.value(float(state.depth));
     if (settings_.cell)
       writer.value(state.depth_cell);
-    counts.lit += state.lit;
-    counts.integrals += state.integrals;
+    for (const Layer& layer : layers_)
+      if (layer.volume) {
+        const RayState& gathered = layer.tiles.own[own].rays[r];
+        counts.lit += gathered.lit;
+        counts.integrals += gathered.integrals;
+      }
   }
   count(counts);
   return {0, tile.slot, writer.bytes()};

@@ -1,12 +1,12 @@
 #include <algorithm>
 
-#include "render/processes/shared_frame.h"
+#include "render/processes/shared_volume.h"
 
 /// The volume of a frame of several processes where each composites the samples in its own cells.
 namespace insitu::render {
 
 /// All composite samples of the group's rays, and owners blend what comes of that.
-void SharedFrame::composite(std::int64_t first) {
+void SharedVolume::composite(std::int64_t first) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
     parcels = from_near(&NearTile::open, [&](std::span<RayState> rays, auto lattice, int width,
@@ -15,13 +15,14 @@ void SharedFrame::composite(std::int64_t first) {
       thread_local VolumeMarcher::Runs runs; // for the thread's life
       runs.runs.clear();
       runs.pieces.clear();
-      volume_->composite(rays, lattice, width, first, depth_, part_.own_cells, open, runs, counts);
+      volume_.composite(rays, lattice, width, first, depth_, part_.own_cells, open, runs, counts);
       write_runs(runs, first_ray, first, form_, writer);
     });
   });
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
-  part_.world.agree_after(
-      [&] { for_tiles(own_count_, [&](std::size_t i) { blend(own_[i], received, first); }); });
+  part_.world.agree_after([&] {
+    for_tiles(tiles_.own.size(), [&](std::size_t i) { blend(tiles_.own[i], received, first); });
+  });
 }
 
 namespace {
@@ -46,9 +47,9 @@ bool may_end_sooner(const RayState& ray, float alpha, std::size_t hits, const Se
 
 /// Blends the runs on a tile's rays. Where two processes have the same sample, on a face between
 /// their cells or in cells that overlap, the lowest cell has to be found.
-void SharedFrame::blend(OwnTile& tile, std::span<const TileParcel> received, std::int64_t first) {
+void SharedVolume::blend(OwnTile& tile, std::span<const TileParcel> received, std::int64_t first) {
   thread_local SentRuns runs; // for the thread's life
-  const std::size_t rays = tile_of(tile.slot).rays();
+  const std::size_t rays = tiles_.tile_of(tile.slot).rays();
   runs.clear(rays);
   tile.asked.clear();
   for (const TileParcel& parcel : received)
@@ -70,7 +71,7 @@ void SharedFrame::blend(OwnTile& tile, std::span<const TileParcel> received, std
     tile.progress->keep(r);
     for (const SentRuns::Sent& run : of_ray)
       if (!ray.is_saturated())
-        volume_->gather(ray, *tile.progress, r, run, runs.pieces(run));
+        volume_.gather(ray, *tile.progress, r, run, runs.pieces(run));
     if (may_end_sooner(ray, alpha, next_hit, runs, of_ray[0], form_)) {
       ray.color = color;
       ray.alpha = alpha;
@@ -84,34 +85,34 @@ void SharedFrame::blend(OwnTile& tile, std::span<const TileParcel> received, std
 }
 
 /// Whether some owner has to ask for cells.
-bool SharedFrame::are_asked() const {
+bool SharedVolume::are_asked() const {
   std::int64_t asked = 0;
-  for (std::size_t i = 0; i < own_count_; ++i)
-    asked += std::int64_t(own_[i].asked.size());
+  for (std::size_t i = 0; i < tiles_.own.size(); ++i)
+    asked += std::int64_t(tiles_.own[i].asked.size());
   part_.world.reduce(std::span(&asked, 1), parallel::Reduction::sum);
   return asked > 0;
 }
 
 /// All claim the round's samples, with cells, of rays of which owners have not been told enough.
-void SharedFrame::claim_asked(std::int64_t first) {
+void SharedVolume::claim_asked(std::int64_t first) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
-    for (std::size_t i = 0; i < own_count_; ++i)
-      for (const int source : own_[i].sources)
-        if (!own_[i].asked.empty())
-          parcels.push_back({source, own_[i].slot, parallel::bytes_of(own_[i].asked)});
+    for (std::size_t i = 0; i < tiles_.own.size(); ++i)
+      for (const int source : tiles_.own[i].sources)
+        if (!tiles_.own[i].asked.empty())
+          parcels.push_back({source, tiles_.own[i].slot, parallel::bytes_of(tiles_.own[i].asked)});
   });
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
   part_.world.agree_after([&] {
     for (const TileParcel& parcel : received)
-      begin_asked(near_of(parcel.slot), parcel.reader(), first);
+      begin_asked(tiles_.near_of(parcel.slot), parcel.reader(), first);
   });
   for (std::int64_t from = first; from < first + depth_; from += claimed_)
     claim({from, &NearTile::asked});
   part_.world.agree_after([&] { // what was hidden here may be seen after all
-    for (std::size_t i = 0; i < near_count_; ++i)
-      for (std::size_t p = 0; p < near_[i].open.size(); ++p) {
-        std::vector<std::uint16_t>&open = near_[i].open[p], &asked = near_[i].asked[p];
+    for (std::size_t i = 0; i < tiles_.near.size(); ++i)
+      for (std::size_t p = 0; p < tiles_.near[i].open.size(); ++p) {
+        std::vector<std::uint16_t>&open = tiles_.near[i].open[p], &asked = tiles_.near[i].asked[p];
         open.insert(open.end(), asked.begin(), asked.end());
         std::sort(open.begin(), open.end());
         open.erase(std::unique(open.begin(), open.end()), open.end());
@@ -120,8 +121,8 @@ void SharedFrame::claim_asked(std::int64_t first) {
   });
 }
 
-void SharedFrame::begin_asked(NearTile& near, ByteReader from, std::int64_t first) const {
-  const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+void SharedVolume::begin_asked(NearTile& near, ByteReader from, std::int64_t first) const {
+  const std::vector<FrameTile::Part> parts = tiles_.tile_of(near.slot).parts();
   while (!from.at_end()) {
     const std::size_t r = from.value<std::uint16_t>();
     const auto part = std::find_if(parts.begin(), parts.end(), [&](const FrameTile::Part& p) {

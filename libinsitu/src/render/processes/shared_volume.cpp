@@ -1,10 +1,10 @@
+#include "render/processes/shared_volume.h"
+
 #include <algorithm>
 #include <bit>
 #include <limits>
 
-#include "render/processes/shared_frame.h"
-
-/// The volume of a frame of several processes, in rounds of samples by depth.
+/// A volume of a frame of several processes, in rounds of samples by depth.
 namespace insitu::render {
 
 namespace {
@@ -13,22 +13,58 @@ namespace {
 constexpr unsigned opaque = 1u << 15;
 static_assert(FrameTile::most_rays <= opaque);
 
+/// Rounds of composited samples are longer: what is sent of them hardly grows, and that a ray is
+/// saturated is told late.
+constexpr int claims_a_round = 4;
+
 } // namespace
 
-void SharedFrame::march() {
+SharedVolume::SharedVolume(const FramePart& part, const query::Sampler& sampler,
+                           const FrameSettings& settings, const VolumeStructures& structures,
+                           const Beside& beside, TileMail& mail, const core::Threads& threads)
+    : part_(part), mail_(mail), threads_(threads), beside_(beside),
+      volume_(sampler, *settings.volume, structures, settings.lighting, !settings.clips.empty()) {
+  volume_.take_part();
+  if (beside.shadows)
+    volume_.set_surfaces(beside.shadows);
+  claimed_ = ClaimReader::most_depth / volume_.group() * volume_.group();
+  composites_ = !beside.is_exact;
+  depth_ = composites_ ? claims_a_round * claimed_ : claimed_;
+  // Otherwise where two processes claim a sample alone.
+  tells_cells_ = settings.cell || volume_.light_shader() || volume_.has_levels();
+  if (composites_)
+    form_ = {beside.has_surfaces, volume_.is_preintegrated(), volume_.is_lit()};
+}
+
+std::int64_t SharedVolume::bytes_a_ray() const {
+  return claimed_ * (bytes_a_sample + bytes_a_change + // in any case of some rays
+                     (volume_.is_lit() ? bytes_a_gradient : 0) +
+                     (volume_.is_lit_by_place() ? bytes_a_place : 0) +
+                     (volume_.has_levels() ? bytes_a_level : 0));
+}
+
+void SharedVolume::count(const VolumeCounts& counts) {
+  const std::lock_guard lock(mutex_);
+  counts_ += counts;
+}
+
+void SharedVolume::march(const SharedTiles& tiles) {
+  tiles_ = tiles;
   tell_ends();
   // The first round, the last one's end, and whether there are thin rays; the latter two negative.
   std::int64_t rounds[3] = {std::numeric_limits<std::int64_t>::max(), 0, 0};
   part_.world.agree_after([&] {
-    for (std::size_t i = 0; i < own_count_; ++i) {
-      OwnTile& tile = own_[i];
-      const std::span<RayState> rays = rays_of(tile);
+    for (std::size_t i = 0; i < tiles_.own.size(); ++i) {
+      OwnTile& tile = tiles_.own[i];
+      const std::span<RayState> rays = tiles_.rays_of(tile);
       tile.progress.emplace(rays.size());
       tile.saturated.assign(FrameTile::most_rays / 64, 0);
       tile.has_news = false;
       tile.end.assign(rays.size(), 0);
       for (std::size_t r = 0; r < rays.size(); ++r) {
-        volume_->start(rays[r]);
+        volume_.start(rays[r]);
+        if (rays[r].keeps_stretches)
+          rays[r].hits.clear();
         if (rays[r].is_thin)
           rounds[2] = -1;
         if (rays[r].next >= rays[r].end)
@@ -56,14 +92,14 @@ void SharedFrame::march() {
 
 /// With a tolerance a step may be many rounds long: then the next one in which a process has
 /// samples.
-std::int64_t SharedFrame::next_round(std::int64_t round) const {
-  if (!volume_->has_levels())
+std::int64_t SharedVolume::next_round(std::int64_t round) const {
+  if (!volume_.has_levels())
     return round + 1;
   std::int64_t next = std::numeric_limits<std::int64_t>::max();
   part_.world.agree_after([&] {
-    for (std::size_t i = 0; i < near_count_; ++i) {
-      const NearTile& near = near_[i];
-      const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+    for (std::size_t i = 0; i < tiles_.near.size(); ++i) {
+      const NearTile& near = tiles_.near[i];
+      const std::vector<FrameTile::Part> parts = tiles_.tile_of(near.slot).parts();
       for (std::size_t p = 0; p < parts.size(); ++p)
         for (const std::uint16_t r : near.open[p])
           next = std::min(next, near.rays[parts[p].first_ray + r].next);
@@ -75,28 +111,28 @@ std::int64_t SharedFrame::next_round(std::int64_t round) const {
 
 /// Owners tell where opaque hits end rays, and where others part what is composited; all start
 /// their rays.
-void SharedFrame::tell_ends() {
-  if (surfaces_) {
+void SharedVolume::tell_ends() {
+  if (beside_.has_surfaces) {
     std::vector<TileParcel> parcels;
     part_.world.agree_after([&] {
       ByteWriter writer;
-      for (std::size_t i = 0; i < own_count_; ++i) {
+      for (std::size_t i = 0; i < tiles_.own.size(); ++i) {
         writer.clear();
-        const std::span<RayState> rays = rays_of(own_[i]);
+        const std::span<RayState> rays = tiles_.rays_of(tiles_.own[i]);
         for (std::size_t r = 0; r < rays.size(); ++r)
           for (const SurfaceHit& hit : rays[r].hits)
             if (const bool is_end = hit.opacity >= 1; is_end || composites_) {
               writer.value(std::uint16_t(r | (is_end ? opaque : 0u)));
               writer.value(hit.t);
             }
-        for (const int source : own_[i].sources)
+        for (const int source : tiles_.own[i].sources)
           if (writer.size() > 0)
-            parcels.push_back({source, own_[i].slot, writer.bytes()});
+            parcels.push_back({source, tiles_.own[i].slot, writer.bytes()});
       }
     });
     mail_.exchange_in_turns(std::move(parcels), [&](const std::vector<TileParcel>& received) {
       for (const TileParcel& parcel : received) {
-        NearTile& tile = near_of(parcel.slot);
+        NearTile& tile = tiles_.near_of(parcel.slot);
         for (ByteReader reader = parcel.reader(); !reader.at_end();) {
           const auto ray = reader.value<std::uint16_t>();
           SurfaceHit& hit = tile.rays[ray & (opaque - 1)].hits.emplace_back();
@@ -106,12 +142,13 @@ void SharedFrame::tell_ends() {
       }
     });
   }
-  part_.world.agree_after([&] { for_tiles(near_count_, [&](std::size_t i) { start(near_[i]); }); });
+  part_.world.agree_after(
+      [&] { for_tiles(tiles_.near.size(), [&](std::size_t i) { start(tiles_.near[i]); }); });
 }
 
-void SharedFrame::start(NearTile& near) const {
+void SharedVolume::start(NearTile& near) const {
   near.lattice.resize(FrameTile::most_rays);
-  const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+  const std::vector<FrameTile::Part> parts = tiles_.tile_of(near.slot).parts();
   near.open.resize(parts.size());
   near.asked.resize(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -120,26 +157,26 @@ void SharedFrame::start(NearTile& near) const {
     for (std::size_t r = 0; r < parts[p].rays(); ++r) {
       RayState& ray = near.rays[parts[p].first_ray + r];
       near.lattice[parts[p].first_ray + r] = {ray.ray.origin, ray.ray.direction};
-      volume_->start(ray);
-      volume_->keep_near(ray);
+      volume_.start(ray);
+      volume_.keep_near(ray);
       if (ray.next < ray.end)
         near.open[p].push_back(std::uint16_t(r));
     }
   }
 }
 
-void SharedFrame::march_thin() {
+void SharedVolume::march_thin() {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
-    parcels.resize(near_count_);
-    for_tiles(near_count_, [&](std::size_t i) {
+    parcels.resize(tiles_.near.size());
+    for_tiles(tiles_.near.size(), [&](std::size_t i) {
       thread_local VolumeMarcher::Claims claims; // these two for the thread's life
       thread_local ByteWriter writer;
       VolumeCounts counts;
-      volume_->claim_thin(rays_of(near_[i]), part_.own_cells, claims, counts);
+      volume_.claim_thin(tiles_.rays_of(tiles_.near[i]), part_.own_cells, claims, counts);
       writer.clear();
       write_claims(claims, 0, &part_.key, writer);
-      parcels[i] = {tile_of(near_[i].slot).owner, near_[i].slot, writer.bytes()};
+      parcels[i] = {tiles_.tile_of(tiles_.near[i].slot).owner, tiles_.near[i].slot, writer.bytes()};
       count(counts);
     });
     std::erase_if(parcels, [](const TileParcel& p) { return p.bytes.empty(); });
@@ -148,15 +185,15 @@ void SharedFrame::march_thin() {
 }
 
 /// All claim samples of the group's rays, and owners gather them.
-void SharedFrame::claim(const Round& round) {
+void SharedVolume::claim(const Round& round) {
   std::vector<TileParcel> parcels;
   part_.world.agree_after([&] {
     parcels = from_near(round.rays, [&](std::span<RayState> rays, auto lattice, int width,
                                         std::size_t first_ray, auto& which, VolumeCounts& counts,
                                         ByteWriter& writer) {
       thread_local VolumeMarcher::Claims claims; // for the thread's life
-      volume_->claim(rays, lattice, width, round.first, claimed_, part_.own_cells, which, claims,
-                     counts);
+      volume_.claim(rays, lattice, width, round.first, claimed_, part_.own_cells, which, claims,
+                    counts);
       write_claims(claims, first_ray, round.with_cells ? &part_.key : nullptr, writer);
     });
   });
@@ -164,59 +201,59 @@ void SharedFrame::claim(const Round& round) {
 }
 
 /// Sends claims to the owners of their tiles, who take those of a ray together.
-void SharedFrame::gather(std::vector<TileParcel> parcels, const Round& round) {
+void SharedVolume::gather(std::vector<TileParcel> parcels, const Round& round) {
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
-  if (volume_->light_shader())
+  if (volume_.light_shader())
     return gather_by_rays_of_light(received, round);
   part_.world.agree_after([&] {
-    for_tiles(own_count_, [&](std::size_t i) {
-      ClaimReader claimed = claims_of(own_[i], received, round);
-      own_[i].asked.clear();
+    for_tiles(tiles_.own.size(), [&](std::size_t i) {
+      ClaimReader claimed = claims_of(tiles_.own[i], received, round);
+      tiles_.own[i].asked.clear();
       while (claimed.next()) {
         if (claimed.is_tied()) {
-          if (!own_[i].rays[claimed.ray()].is_saturated())
-            own_[i].asked.push_back(std::uint16_t(claimed.ray()));
+          if (!tiles_.own[i].rays[claimed.ray()].is_saturated())
+            tiles_.own[i].asked.push_back(std::uint16_t(claimed.ray()));
           continue;
         }
-        if (volume_->is_lit_by_place())
+        if (volume_.is_lit_by_place())
           for (std::uint32_t rest = claimed.wanted(); rest; rest &= rest - 1)
-            claimed.set_light(
-                std::countr_zero(rest),
-                volume_->light_without_rays(lit_point(own_[i], claimed, std::countr_zero(rest))));
-        take(own_[i], claimed, round);
+            claimed.set_light(std::countr_zero(rest),
+                              volume_.light_without_rays(
+                                  lit_point(tiles_.own[i], claimed, std::countr_zero(rest))));
+        take(tiles_.own[i], claimed, round);
       }
     });
   });
 }
 
-ClaimReader SharedFrame::claims_of(const OwnTile& tile, std::span<const TileParcel> received,
-                                   const Round& round) const {
-  ClaimReader claimed(*volume_, round.with_cells);
+ClaimReader SharedVolume::claims_of(const OwnTile& tile, std::span<const TileParcel> received,
+                                    const Round& round) const {
+  ClaimReader claimed(volume_, round.with_cells);
   for (const TileParcel& parcel : received)
     if (parcel.slot == tile.slot)
       claimed.add(parcel.reader());
   return claimed;
 }
 
-std::optional<SurfacePoint> SharedFrame::lit_point(const OwnTile& tile, const ClaimReader& claimed,
-                                                   int sample) const {
+std::optional<SurfacePoint> SharedVolume::lit_point(const OwnTile& tile, const ClaimReader& claimed,
+                                                    int sample) const {
   return VolumeMarcher::lit_point(tile.rays[claimed.ray()].ray,
                                   claimed.locations()[sample].parametric, claimed.places()[sample]);
 }
 
-void SharedFrame::take(OwnTile& tile, const ClaimReader& claimed, const Round& round) {
+void SharedVolume::take(OwnTile& tile, const ClaimReader& claimed, const Round& round) {
   const std::size_t r = claimed.ray();
   RayState& ray = tile.rays[r];
   if (round.is_thin)
-    return volume_->gather_thin(ray, claimed.samples()->value,
-                                volume_->is_lit() ? *claimed.locations()
-                                                  : query::Location{claimed.samples()->cell, {}});
-  volume_->gather(ray, *tile.progress, r, round.first, claimed.wanted(), claimed.samples(),
-                  claimed.locations(), claimed.levels());
+    return volume_.gather_thin(ray, claimed.samples()->value,
+                               volume_.is_lit() ? *claimed.locations()
+                                                : query::Location{claimed.samples()->cell, {}});
+  volume_.gather(ray, *tile.progress, r, round.first, claimed.wanted(), claimed.samples(),
+                 claimed.locations(), claimed.levels());
   note_saturated(tile, r);
 }
 
-void SharedFrame::note_saturated(OwnTile& tile, std::size_t r) {
+void SharedVolume::note_saturated(OwnTile& tile, std::size_t r) {
   if (tile.rays[r].is_saturated() && !(tile.saturated[r / 64] >> (r % 64) & 1)) {
     tile.saturated[r / 64] |= std::uint64_t(1) << (r % 64);
     tile.has_news = true;
@@ -224,13 +261,13 @@ void SharedFrame::note_saturated(OwnTile& tile, std::size_t r) {
 }
 
 /// Owners tell which rays are saturated before they end. Returns how many of all rays go on.
-std::int64_t SharedFrame::tell_saturated(std::int64_t round) {
+std::int64_t SharedVolume::tell_saturated(std::int64_t round) {
   std::vector<TileParcel> parcels;
   std::int64_t left = 0;
   part_.world.agree_after([&] {
     ByteWriter writer;
-    for (std::size_t i = 0; i < own_count_; ++i) {
-      OwnTile& tile = own_[i];
+    for (std::size_t i = 0; i < tiles_.own.size(); ++i) {
+      OwnTile& tile = tiles_.own[i];
       for (std::size_t r = 0; r < tile.end.size(); ++r)
         left += tile.end[r] > round + 1 && !(tile.saturated[r / 64] >> (r % 64) & 1);
       if (!tile.has_news)
@@ -249,16 +286,16 @@ std::int64_t SharedFrame::tell_saturated(std::int64_t round) {
   const std::vector<TileParcel> received = mail_.exchange(std::move(parcels));
   part_.world.agree_after([&] {
     for (const TileParcel& parcel : received)
-      stop_saturated(near_of(parcel.slot), parcel.reader());
+      stop_saturated(tiles_.near_of(parcel.slot), parcel.reader());
   });
   return left;
 }
 
-void SharedFrame::stop_saturated(NearTile& near, ByteReader from) const {
+void SharedVolume::stop_saturated(NearTile& near, ByteReader from) const {
   std::uint64_t done[FrameTile::most_rays / 64];
   for (std::uint64_t& word : done)
     word = from.value<std::uint64_t>();
-  const std::vector<FrameTile::Part> parts = tile_of(near.slot).parts();
+  const std::vector<FrameTile::Part> parts = tiles_.tile_of(near.slot).parts();
   for (std::size_t p = 0; p < parts.size(); ++p)
     std::erase_if(near.open[p], [&](std::uint16_t r) {
       const std::size_t ray = parts[p].first_ray + r;

@@ -37,12 +37,13 @@ void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_st
 }
 
 void read_hits(ByteReader from, bool with_starts, int process, std::span<const std::uint32_t> which,
-               std::span<RayState> rays) {
+               std::span<RayState> rays, std::int32_t layer) {
   while (!from.at_end()) {
     const auto sent = from.value<SentHit>();
     SurfaceHit hit = sent.met.hit();
     hit.gradient = sent.gradient;
     hit.color = sent.color;
+    hit.layer = layer;
     hit.process = process;
     if (with_starts) {
       const auto start = from.value<SentStart>();

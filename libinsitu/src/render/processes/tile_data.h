@@ -61,10 +61,10 @@ constexpr std::int64_t bytes_a_run = 6, bytes_a_sample = 8, bytes_a_gradient = 2
 /// Writes the hits of rays, those in cells of this process.
 void write_hits(std::span<const RayState> rays, const CellKey& key, bool with_starts,
                 ByteWriter& to);
-/// Adds those of a process to the hits of the rays; cells are keys. which: of the rays, those that
-/// the process was told; empty: all.
+/// Adds those of a process and a layer to the hits of the rays; cells are keys. which: of the rays,
+/// those that the process was told; empty: all.
 void read_hits(ByteReader from, bool with_starts, int process, std::span<const std::uint32_t> which,
-               std::span<RayState> rays);
+               std::span<RayState> rays, std::int32_t layer = 0);
 
 /// Writes claims of rays from the tile's ray `first_ray` on, ray by ray. key: null: without cells.
 void write_claims(const VolumeMarcher::Claims& claims, std::size_t first_ray, const CellKey* key,

@@ -32,16 +32,16 @@ void put_among(std::vector<SurfaceHit>& hits, const std::vector<SurfaceHit>& fur
 
 } // namespace
 
-void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,
-                    std::span<IsosurfaceTile* const> tiles, SurfaceCounts& counts) {
+void put_hits_together(std::size_t layers, std::span<RayState> rays,
+                       core::FunctionRef<void(std::size_t layer)> find) {
   thread_local std::vector<std::vector<SurfaceHit>> all; // these two for the thread's life
   thread_local std::vector<SurfaceHit> scratch;
   if (all.size() < rays.size())
     all.resize(rays.size());
   for (std::size_t r = 0; r < rays.size(); ++r)
     all[r].clear();
-  for (std::size_t layer = 0; layer < surfaces.size(); ++layer) {
-    surfaces[layer]->find(rays, tiles[layer], counts);
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    find(layer);
     for (std::size_t r = 0; r < rays.size(); ++r) {
       for (SurfaceHit& hit : rays[r].hits)
         hit.layer = std::int32_t(layer);
@@ -51,6 +51,12 @@ void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayStat
   }
   for (std::size_t r = 0; r < rays.size(); ++r)
     rays[r].hits.swap(all[r]);
+}
+
+void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,
+                    std::span<IsosurfaceTile* const> tiles, SurfaceCounts& counts) {
+  put_hits_together(surfaces.size(), rays,
+                    [&](std::size_t layer) { surfaces[layer]->find(rays, tiles[layer], counts); });
   for (const Surfaces* const of : surfaces)
     of->light(rays, counts);
   for (const Surfaces* const of : surfaces)

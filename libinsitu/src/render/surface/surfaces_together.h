@@ -6,6 +6,11 @@
 
 namespace insitu::render {
 
+/// Makes the hits of rays with the surfaces of several meshes one order, by distance, up to the
+/// first opaque one. find(layer) sets the hits of all rays with one mesh, in order.
+void put_hits_together(std::size_t layers, std::span<RayState> rays,
+                       core::FunctionRef<void(std::size_t layer)> find);
+
 /// As Surfaces::trace() of the surfaces of several meshes, which were joined with each other and
 /// stand by SurfaceHit::layer. tiles: the same, each holds the isosurfaces' hits or is null.
 void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,

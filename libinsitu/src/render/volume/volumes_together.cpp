@@ -87,6 +87,16 @@ void blend_together(RayState& ray, std::span<const std::span<const VolumeStretch
   }
 }
 
+void begin_alone(RayState& alone, const RayState& ray) {
+  alone.begin(ray.ray);
+  alone.pixel = ray.pixel;
+  alone.sample = ray.sample;
+  alone.stays = ray.stays;
+  if (!ray.hits.empty())
+    alone.hits.push_back(ray.hits.back());
+  alone.keeps_stretches = true;
+}
+
 VolumeCounts march_together(std::span<const VolumeMarcher* const> volumes, std::span<RayState> rays,
                             int row) {
   thread_local std::vector<std::vector<RayState>> alone; // by volume; these for the thread's life
@@ -97,16 +107,9 @@ VolumeCounts march_together(std::span<const VolumeMarcher* const> volumes, std::
     std::vector<RayState>& states = alone[v];
     states.resize(std::max(states.size(), rays.size()));
     for (std::size_t r = 0; r < rays.size(); ++r) {
-      RayState& ray = states[r];
-      ray.begin(rays[r].ray);
-      ray.pixel = rays[r].pixel;
-      ray.sample = rays[r].sample;
-      ray.stays = rays[r].stays;
-      if (!rays[r].hits.empty()) // the last one may end it
-        ray.hits.push_back(rays[r].hits.back());
-      volumes[v]->start(ray);
-      ray.hits.clear();
-      ray.keeps_stretches = true;
+      begin_alone(states[r], rays[r]);
+      volumes[v]->start(states[r]);
+      states[r].hits.clear();
     }
     counts += volumes[v]->march(std::span(states.data(), rays.size()), row);
   }

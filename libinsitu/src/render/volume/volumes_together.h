@@ -14,6 +14,10 @@ namespace insitu::render {
 VolumeCounts march_together(std::span<const VolumeMarcher* const> volumes, std::span<RayState> rays,
                             int row);
 
+/// Begins a ray that one of several volumes is marched along, for its stretches alone. `ray` has
+/// its hits, the last of which may end it. The hit is to be cleared after VolumeMarcher::start().
+void begin_alone(RayState& alone, const RayState& ray);
+
 /// What it makes of a ray, whose hits are in order, and of the stretches of each volume.
 void blend_together(RayState& ray, std::span<const std::span<const VolumeStretch>> volumes);
 

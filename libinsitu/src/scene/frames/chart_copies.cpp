@@ -1,8 +1,11 @@
 #include "scene/frames/chart_copies.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
+
+#include "core/status.h"
 
 namespace insitu::scene {
 
@@ -69,6 +72,22 @@ render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
       found.joined.end.push_back(std::int64_t(i + 1));
   }
   return found;
+}
+
+void end_at_chart(const commit::CommittedMesh& mesh, bool of_several,
+                  render::FrameSettings& settings) {
+  if (of_several)
+    throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                      "mesh '" + mesh.mesh().name() +
+                          "': several meshes in one frame in longitude and latitude, with cells "
+                          "over the seam or at a pole, are not there yet; geocentric frames have "
+                          "them");
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const mesh::Box ends = mesh.sampler().facts().bounds;
+  const double slack = 1e-6 * (ends.high.x - ends.low.x);
+  settings.clips.push_back({render::Clip::Kind::box,
+                            {ends.low.x - slack, -infinity, -infinity},
+                            {ends.high.x + slack, infinity, infinity}});
 }
 
 void refresh_vertex_values(const commit::CommittedMesh& mesh, parallel::World& world,

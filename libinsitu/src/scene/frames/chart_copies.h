@@ -4,6 +4,7 @@
 
 #include "commit/committed_mesh.h"
 #include "parallel/world.h"
+#include "render/frame.h"
 #include "render/structures/vertex_cells.h"
 
 /// What frames do with copies of cells on a chart (commit::StandIn).
@@ -15,6 +16,13 @@ bool has_chart_copies(const commit::CommittedMesh& mesh);
 /// Of such a mesh, as its views are now.
 render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
                                       const core::Threads& threads);
+
+/// Ends what a frame draws at the chart's ends: copies reach over them, where their places are
+/// shown already, and others lie beyond on charts turned to a pole. Faces that lie in the ends are
+/// seen. Throws core::Error (INSITU_ERROR_UNSUPPORTED) where the frame has several meshes, each of
+/// which would end elsewhere.
+void end_at_chart(const commit::CommittedMesh& mesh, bool of_several,
+                  render::FrameSettings& settings);
 
 /// Gives numbers at this process's vertices to the other processes that have copies of its cells,
 /// as Halo::refresh_values() does. values: [flat vertex of mesh().view()], alike at all copies of a

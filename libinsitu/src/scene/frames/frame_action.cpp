@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <deque>
-#include <limits>
 
 #include "core/status.h"
 #include "core/timer.h"
@@ -31,11 +30,6 @@ public:
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
       for (std::size_t i = 0; i < cameras_.size(); ++i)
         accumulations_.emplace_back(environment_.context.memory);
-    if (frame_.layers.size() > 1 && environment_.world.size() > 1)
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        at_line(environment_.scene_file, frame_.line) + "frame '" + frame_.name +
-                            "': several meshes in one frame, over several processes, are not "
-                            "there yet");
   }
 
   const char* kind() const override { return "frame"; }
@@ -54,18 +48,11 @@ public:
     std::vector<std::optional<FrameFacts>> facts(frame_.layers.size());
     for (const DrawnMesh& drawn : meshes)
       facts[drawn.layer] = facts_of(frame_, *drawn.mesh, environment_.scene_file);
-    const FrameDecisions decisions = decide_frame(frame_, facts);
-    const mesh::Box all = scenery_of(meshes).box;
-    for (DrawnMesh& drawn : meshes)
+    Drawing drawing{step, decide_frame(frame_, facts), std::move(meshes)};
+    for (DrawnMesh& drawn : drawing.meshes)
       drawn.structures = &environment_.structures.of(*drawn.mesh);
-    for (DrawnMesh& drawn : meshes) {
-      drawn.settings = settings_.make(decisions, {drawn.layer, *drawn.structures, nullptr,
-                                                  frame_.layers.size() > 1 ? &all : nullptr,
-                                                  &drawn == &meshes.front()});
-      if (has_chart_copies(*drawn.mesh))
-        end_at_chart(*drawn.mesh, drawn.settings);
-    }
-    draw({step, decisions, std::move(meshes)}, timer);
+    make_settings(drawing);
+    draw(std::move(drawing), timer);
   }
 
   void plan(const commit::CommittedMesh& mesh, MeshList meshes, Plan& plan) const override {
@@ -111,61 +98,113 @@ private:
     return meshes;
   }
 
-  /// Draws what several processes have of the mesh.
+  /// Draws what several processes have of the meshes.
   void execute_on_all(commit::CommittedMesh& own, const Step& step) {
     const core::Timer timer;
     parallel::World& world = environment_.world;
-    own.update_chart(world, environment_.context.threads, environment_.context.log);
-    commit::CommittedMesh* drawn = &own;
-    world.agree_after([&] {
-      if (frame_.geocentric)
-        drawn = &geocentric(own);
-    });
-    commit::CommittedMesh& mesh = *drawn;
-    const FieldsByName fields = frame_fields(frame_, mesh, environment_);
-    const CellsInPlace in_place = find_cells_in_place(mesh);
-    FrameDecisions decisions;
-    world.agree_after([&] { decisions = decide_on_all(mesh, fields, in_place); });
-    // A halo that is there must not be of an earlier step.
-    const bool with_halo =
-        decisions.layers[0].vertex_cells.made || frame_.layers[0].boundary || mesh.halo();
-    if (with_halo)
-      mesh.update_halo(world, environment_.context.threads, environment_.context.log);
-    know_whole_facts(mesh, environment_);
-    if (mesh.sampler().facts().cells == 0) {
-      if (world.is_root())
-        note_nothing_drawn(mesh, 0, step);
-      told_nothing_[0] = true;
-      return;
+    Drawing drawing{step, {}, meshes_of_all(own, step)};
+    std::vector<DrawnMesh>& meshes = drawing.meshes;
+    for (DrawnMesh& drawn : meshes) {
+      drawn.known.fields = frame_fields(layer_of(drawn), *drawn.mesh, environment_);
+      drawn.known.in_place = find_cells_in_place(*drawn.mesh, world);
     }
-    told_nothing_[0] = false;
-    const FrameKeys keys(mesh, world);
-    render::FramePart part{world, mesh.mesh().view().own_cell_count(),
-                           [&](std::int64_t flat) { return keys.key(flat); },
-                           mesh.halo() != nullptr};
-    if (decisions.own_cells)
-      part.solvers_cell = [&](const math::Vec3d& place) { return keys.solvers_at(place); };
-    part.compositing = frame_.compositing;
-    render::Structures* structures = nullptr;
-    std::optional<FieldsByName> refreshed;
-    if (with_halo) // its commit has other views
-      refreshed = frame_fields(frame_, mesh, environment_);
+    world.agree_after([&] { drawing.decisions = decide_on_all(meshes); });
+    const bool with_halo = update_halos(drawing);
+    leave_out(drawing);
+    if (meshes.empty())
+      return;
+    for (DrawnMesh& drawn : meshes) {
+      drawn.known.keys.emplace(*drawn.mesh, world);
+      if (with_halo) // its commit has other views
+        drawn.known.fields = frame_fields(layer_of(drawn), *drawn.mesh, environment_);
+    }
     world.agree_after([&] {
-      structures = &environment_.structures.of(mesh);
-      if (refreshed)
-        decisions = decide_on_all(mesh, *refreshed, in_place);
+      for (DrawnMesh& drawn : meshes)
+        drawn.structures = &environment_.structures.of(*drawn.mesh);
+      if (with_halo || meshes.size() < frame_.layers.size())
+        drawing.decisions = decide_on_all(meshes);
+      drawing.parts = parts_of(frame_, drawing, world);
     });
-    complete_averages(decisions.layers[0], mesh, *structures, world);
-    const RangesByColor ranges = frame_ranges(decisions.layers[0], *structures, world);
-    Drawing drawing{step, decisions, {}, &part, &keys};
+    for (DrawnMesh& drawn : meshes) {
+      const LayerDecisions& decided = drawing.decisions.layers[drawn.layer];
+      complete_averages(decided, *drawn.mesh, *drawn.structures, world);
+      drawn.known.ranges = frame_ranges(decided, *drawn.structures, world);
+    }
     world.agree_after([&] {
-      drawing.meshes.push_back(
-          {0, &own, &mesh, structures, settings_.make(decisions, {0, *structures, &ranges})});
-      if (in_place.copies)
-        end_at_chart(mesh, drawing.first().settings);
+      make_settings(drawing);
+      note_exact(drawing);
     });
-    note_exact(drawing.first().settings, step);
     draw(std::move(drawing), timer);
+  }
+
+  const FrameLayer& layer_of(const DrawnMesh& drawn) const { return frame_.layers[drawn.layer]; }
+
+  /// What is drawn; of several meshes those that have a cell somewhere.
+  std::vector<DrawnMesh> meshes_of_all(commit::CommittedMesh& first, const Step& step) {
+    parallel::World& world = environment_.world;
+    std::vector<DrawnMesh> meshes;
+    for (std::size_t i = 0; i < frame_.layers.size(); ++i) {
+      commit::CommittedMesh* own = &first;
+      if (i > 0)
+        world.agree_after([&] {
+          own = &find_host_mesh(step.meshes, frame_.layers[i].mesh, environment_.scene_file);
+        });
+      if (frame_.layers.size() > 1 && cells_of_all(own->mesh(), world) == 0) {
+        note_left_out(*own, i, step);
+        continue;
+      }
+      own->update_chart(world, environment_.context.threads, environment_.context.log);
+      world.agree_after([&] {
+        meshes.push_back({i, own, frame_.geocentric ? &geocentric(*own) : own});
+      });
+    }
+    return meshes;
+  }
+
+  /// Returns whether some mesh has a halo: one that is there must not be of an earlier step.
+  bool update_halos(const Drawing& drawing) {
+    const core::Context& context = environment_.context;
+    bool any = false;
+    for (const DrawnMesh& drawn : drawing.meshes)
+      if (drawing.decisions.layers[drawn.layer].vertex_cells.made || layer_of(drawn).boundary ||
+          drawn.mesh->halo()) {
+        drawn.mesh->update_halo(environment_.world, context.threads, context.log);
+        any = true;
+      }
+    return any;
+  }
+
+  /// Leaves out meshes that hide all their cells.
+  void leave_out(Drawing& drawing) {
+    const auto is_bare = [](const DrawnMesh& drawn) {
+      return drawn.mesh->sampler().facts().cells == 0;
+    };
+    for (const DrawnMesh& drawn : drawing.meshes) {
+      know_whole_facts(*drawn.mesh, environment_);
+      if (is_bare(drawn))
+        note_left_out(*drawn.mesh, drawn.layer, drawing.step);
+      else
+        told_nothing_[drawn.layer] = false;
+    }
+    std::erase_if(drawing.meshes, is_bare);
+  }
+
+  void note_left_out(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
+    if (environment_.world.is_root())
+      note_nothing_drawn(mesh, layer, step);
+    told_nothing_[layer] = true;
+  }
+
+  void make_settings(Drawing& drawing) const {
+    const bool several = frame_.layers.size() > 1, alone = drawing.parts.empty();
+    const mesh::Box all = scenery_of(drawing.meshes).box;
+    for (DrawnMesh& drawn : drawing.meshes) {
+      drawn.settings = settings_.make(
+          drawing.decisions, {drawn.layer, *drawn.structures, alone ? nullptr : &drawn.known.ranges,
+                              several ? &all : nullptr, &drawn == &drawing.first()});
+      if (alone ? has_chart_copies(*drawn.mesh) : drawn.known.in_place.copies)
+        end_at_chart(*drawn.mesh, several, drawn.settings);
+    }
   }
 
   /// began: with the work on this drawing.
@@ -179,41 +218,15 @@ private:
     ++drawn_;
   }
 
-  /// Whether some process draws other cells in the place of the solver's: copies on a chart, or
-  /// cells that are made of them (adaptive meshes' duals).
-  struct CellsInPlace {
-    bool copies, made;
-  };
-  CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh) const {
-    std::int64_t found[] = {has_chart_copies(mesh),
-                            mesh.mesh().has_stand_in() && mesh.mesh().is_adaptive()};
-    environment_.world.reduce(std::span(found), parallel::Reduction::greatest);
-    return {found[0] != 0, found[1] != 0};
-  }
-
-  /// Copies reach over the ends of a chart, where their places are shown already, and others lie
-  /// beyond on charts turned to a pole. Faces that lie in the ends are seen.
-  void end_at_chart(const commit::CommittedMesh& mesh, render::FrameSettings& settings) const {
-    if (frame_.layers.size() > 1) // each would end elsewhere
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "mesh '" + mesh.mesh().name() +
-                            "': several meshes in one frame in longitude and latitude, with cells "
-                            "over the seam or at a pole, are not there yet; geocentric frames have "
-                            "them");
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const mesh::Box ends = mesh.sampler().facts().bounds;
-    const double slack = 1e-6 * (ends.high.x - ends.low.x);
-    settings.clips.push_back({render::Clip::Kind::box,
-                              {ends.low.x - slack, -infinity, -infinity},
-                              {ends.high.x + slack, infinity, infinity}});
-  }
-
   /// The same on all processes.
-  FrameDecisions decide_on_all(const commit::CommittedMesh& mesh, const FieldsByName& fields,
-                               const CellsInPlace& in_place) const {
-    std::optional<FrameFacts> facts = facts_of(frame_, mesh, environment_.scene_file, &fields);
-    facts->has_stand_in = in_place.made; // FrameKeys tells whose copies are
-    return decide_frame(frame_, std::span(&facts, 1));
+  FrameDecisions decide_on_all(const std::vector<DrawnMesh>& meshes) const {
+    std::vector<std::optional<FrameFacts>> facts(frame_.layers.size());
+    for (const DrawnMesh& drawn : meshes) {
+      std::optional<FrameFacts>& of = facts[drawn.layer];
+      of = facts_of(frame_, *drawn.mesh, environment_.scene_file, &drawn.known.fields);
+      of->has_stand_in = drawn.known.in_place.made; // FrameKeys tells whose copies are
+    }
+    return decide_frame(frame_, facts);
   }
 
   /// Errors of the scene get the line of `geocentric`.
@@ -246,13 +259,16 @@ private:
           (frame_.layers.size() > 1 ? "it is left out" : "no image is written") + " until it has");
   }
 
-  void note_exact(const render::FrameSettings& settings, const Step& step) {
+  void note_exact(const Drawing& drawing) {
+    std::vector<const render::FrameSettings*> settings;
+    for (const DrawnMesh& drawn : drawing.meshes)
+      settings.push_back(&drawn.settings);
     const char* const why = render::why_exact(settings);
     if (!why || told_exact_ || frame_.compositing == render::Compositing::exact)
       return;
     told_exact_ = true;
     if (environment_.world.is_root())
-      environment_.context.log.warning("cycle " + std::to_string(step.cycle) + ": frame '" +
+      environment_.context.log.warning("cycle " + std::to_string(drawing.step.cycle) + ": frame '" +
                                        frame_.name + "': its compositing is 'exact', as " + why);
   }
 
@@ -260,13 +276,15 @@ private:
     const core::Timer timer;
     const DrawnMesh& first = drawing.first();
     output::BoxTicks ticks;
-    environment_.world.agree_after([&] { aim(drawing, number, ticks); });
+    std::optional<DrawnLayers> layers;
+    environment_.world.agree_after([&] {
+      aim(drawing, number, ticks);
+      layers.emplace(drawing);
+    });
     if (!accumulations_.empty())
       accumulations_[number].use(*first.mesh, drawing.first().settings, environment_.world);
     render::FrameStatistics done;
-    render::FrameImages images = drawing.part
-                                     ? draw_part(drawing, done)
-                                     : draw_here(drawing, environment_.context.threads, &done);
+    render::FrameImages images = draw_meshes(drawing, *layers, environment_.context.threads, done);
     if (drawing.decisions.globe)
       draw_globe(*frame_.geocentric, *first.own, first.settings, environment_.world,
                  environment_.context, images);
@@ -275,16 +293,6 @@ private:
       if (environment_.world.is_root())
         show(drawing, number, ticks, done, images);
     });
-  }
-
-  render::FrameImages draw_part(const Drawing& drawing, render::FrameStatistics& done) const {
-    const DrawnMesh& drawn = drawing.first();
-    const std::int64_t located = drawn.mesh->located();
-    render::FrameImages images =
-        render::render_shared_frame(*drawing.part, drawn.mesh->own_sampler(), drawn.settings,
-                                    *drawn.structures, environment_.context.threads, &done);
-    drawn.mesh->note_drawn(drawn.mesh->located() - located);
-    return images;
   }
 
   /// Sets what follows the camera.
@@ -309,12 +317,13 @@ private:
     warn(done, drawing);
     draw_overlays(frame_, drawing, ticks, images.color);
     const DrawnMesh& first = drawing.first();
-    if (drawing.decisions.own_cells && !drawing.part)
+    if (drawing.decisions.own_cells && drawing.parts.empty())
       count_as_the_solver(first, environment_.context.threads, images);
-    if (drawing.keys)
+    if (const std::optional<FrameKeys>& keys = first.known.keys)
       for (std::int64_t& cell : images.cell)
-        cell = cell >= 0 ? drawing.keys->solvers(cell) : cell;
-    if (const mesh::Mesh& own = first.own->mesh(); !drawing.part && own.has_global_ids(INSITU_CELL))
+        cell = cell >= 0 ? keys->solvers(cell) : cell;
+    if (const mesh::Mesh& own = first.own->mesh();
+        drawing.parts.empty() && own.has_global_ids(INSITU_CELL))
       for (std::int64_t& cell : images.cell)
         if (cell >= 0)
           cell = own.global_id(INSITU_CELL, cell);

@@ -38,21 +38,41 @@ FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes) {
   return all;
 }
 
-render::FrameImages draw_here(const Drawing& drawing, const core::Threads& threads,
-                              render::FrameStatistics* done) {
-  std::vector<query::Sampler> samplers;
-  std::vector<std::int64_t> located;
+std::vector<render::FramePart> parts_of(const Frame& frame, const Drawing& drawing,
+                                        parallel::World& world) {
+  std::vector<render::FramePart> parts;
   for (const DrawnMesh& drawn : drawing.meshes) {
-    samplers.push_back(drawn.mesh->sampler());
+    const FrameKeys& keys = *drawn.known.keys;
+    parts.push_back({world, drawn.mesh->mesh().view().own_cell_count(),
+                     [&keys](std::int64_t flat) { return keys.key(flat); },
+                     drawn.mesh->halo() != nullptr});
+    parts.back().compositing = frame.compositing;
+    if (drawing.decisions.own_cells)
+      parts.back().solvers_cell = [&keys](const math::Vec3d& place) {
+        return keys.solvers_at(place);
+      };
+  }
+  return parts;
+}
+
+DrawnLayers::DrawnLayers(const Drawing& drawing) {
+  for (const DrawnMesh& drawn : drawing.meshes) {
+    samplers.push_back(drawing.parts.empty() ? drawn.mesh->sampler() : drawn.mesh->own_sampler());
     located.push_back(drawn.mesh->located());
   }
-  std::vector<render::FrameLayer> layers;
   for (std::size_t i = 0; i < samplers.size(); ++i)
     layers.push_back({samplers[i], drawing.meshes[i].settings, *drawing.meshes[i].structures});
-  render::FrameImages images = render::render_frame(layers, threads, done);
-  for (std::size_t i = 0; i < samplers.size(); ++i) {
+}
+
+render::FrameImages draw_meshes(const Drawing& drawing, const DrawnLayers& layers,
+                                const core::Threads& threads, render::FrameStatistics& done) {
+  render::FrameImages images =
+      drawing.parts.empty()
+          ? render::render_frame(layers.layers, threads, &done)
+          : render::render_shared_frame(drawing.parts, layers.layers, threads, &done);
+  for (std::size_t i = 0; i < drawing.meshes.size(); ++i) {
     const commit::CommittedMesh& mesh = *drawing.meshes[i].mesh;
-    mesh.note_drawn(mesh.located() - located[i]);
+    mesh.note_drawn(mesh.located() - layers.located[i]);
   }
   return images;
 }

@@ -16,17 +16,17 @@ struct DrawnMesh {
   commit::CommittedMesh* own;  ///< the solver's mesh
   commit::CommittedMesh* mesh; ///< the mesh that is drawn
   render::Structures* structures = nullptr;
+  LayerOnAll known = {};
   render::FrameSettings settings = {}; ///< the camera and what follows it are set for each image
 };
 
 /// The images of one cycle.
 struct Drawing {
   const Step& step;
-  const FrameDecisions& decisions;
+  FrameDecisions decisions;
   std::vector<DrawnMesh> meshes; ///< at least one
-  /// Of several processes, which draw one mesh; null: there is one.
-  const render::FramePart* part = nullptr;
-  const FrameKeys* keys = nullptr;
+  /// parts_of() it, where there are several processes; empty: there is one.
+  std::vector<render::FramePart> parts = {};
 
   DrawnMesh& first() { return meshes.front(); }
   const DrawnMesh& first() const { return meshes.front(); }
@@ -35,9 +35,22 @@ struct Drawing {
 /// What cameras look at: around all meshes, flat if all of them are.
 FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes);
 
-/// Draws the frame's images; not collective.
-render::FrameImages draw_here(const Drawing& drawing, const core::Threads& threads,
-                              render::FrameStatistics* done);
+/// What a process has to do with the drawing's meshes, whose keys are known; they must outlive it.
+std::vector<render::FramePart> parts_of(const Frame& frame, const Drawing& drawing,
+                                        parallel::World& world);
+
+/// What the renderer takes of the meshes of a drawing, which must outlive it.
+struct DrawnLayers {
+  explicit DrawnLayers(const Drawing& drawing);
+  std::vector<query::Sampler> samplers;
+  std::vector<std::int64_t> located; ///< points, before
+  std::vector<render::FrameLayer> layers;
+};
+
+/// Draws the frame's images, without what stands over them. Collective; throws
+/// parallel::AgreedError.
+render::FrameImages draw_meshes(const Drawing& drawing, const DrawnLayers& layers,
+                                const core::Threads& threads, render::FrameStatistics& done);
 
 /// Draws what stands over the image: the outline's numbers, scalar bar, axes, time label.
 void draw_overlays(const Frame& frame, const Drawing& drawing, const output::BoxTicks& ticks,

@@ -12,12 +12,12 @@
 
 namespace insitu::scene {
 
-FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
+FieldsByName frame_fields(const FrameLayer& layer, const commit::CommittedMesh& mesh,
                           const Environment& environment) {
   std::vector<const Name*> named;
-  for (const ColorBy* by : colorings_of(frame))
+  for (const ColorBy* by : colorings_of(layer))
     named.push_back(&by->field);
-  for (const Isosurface& surface : frame.layers.front().isosurfaces)
+  for (const Isosurface& surface : layer.isosurfaces)
     named.push_back(&surface.field);
   std::vector<Name> names;
   for (const Name* name : named)
@@ -30,6 +30,13 @@ FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
     fields.emplace(named[i]->text, views[i]);
   }
   return fields;
+}
+
+CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh, parallel::World& world) {
+  std::int64_t found[] = {has_chart_copies(mesh),
+                          mesh.mesh().has_stand_in() && mesh.mesh().is_adaptive()};
+  world.reduce(std::span(found), parallel::Reduction::greatest);
+  return {found[0] != 0, found[1] != 0};
 }
 
 void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environment) {
@@ -89,7 +96,7 @@ RangesByColor frame_ranges(const LayerDecisions& decisions, render::Structures& 
 }
 
 FrameKeys::FrameKeys(const commit::CommittedMesh& mesh, parallel::World& world)
-    : mesh_(mesh), by_ids_(name_cells(mesh.mesh(), world).global) {
+    : mesh_(&mesh), by_ids_(name_cells(mesh.mesh(), world).global) {
   const std::int64_t own = mesh.mesh().own_view().own_cell_count();
   std::vector<std::int64_t> cells(std::size_t(world.size()));
   cells[std::size_t(world.rank())] = own;
@@ -106,11 +113,11 @@ FrameKeys::FrameKeys(const commit::CommittedMesh& mesh, parallel::World& world)
 }
 
 std::int64_t FrameKeys::key(std::int64_t flat) const {
-  if (mesh_.mesh().has_stand_in())
-    if (const auto made = mesh_.stand_in()->made_cell(flat))
+  if (mesh_->mesh().has_stand_in())
+    if (const auto made = mesh_->stand_in()->made_cell(flat))
       return made->number;
   const commit::StandIn::Place at =
-      mesh_.stand_in() ? mesh_.stand_in()->place(flat) : commit::StandIn::Place{flat};
+      mesh_->stand_in() ? mesh_->stand_in()->place(flat) : commit::StandIn::Place{flat};
   const std::int64_t own = own_key(at.own);
   switch (at.chart) {
   case 0:
@@ -123,7 +130,7 @@ std::int64_t FrameKeys::key(std::int64_t flat) const {
 }
 
 std::int64_t FrameKeys::solvers_at(const math::Vec3d& place) const {
-  const query::Location own = mesh_.own_here({0, {}}, place); // whatever cell is drawn there
+  const query::Location own = mesh_->own_here({0, {}}, place); // whatever cell is drawn there
   return own ? own_key(own.cell) : -1;
 }
 

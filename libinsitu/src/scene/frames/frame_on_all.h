@@ -1,21 +1,29 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "commit/committed_mesh.h"
-#include "render/processes/frame_part.h"
 #include "scene/frames/frame_decisions.h"
 #include "scene/frames/frame_settings.h"
 #include "scene/run/environment.h"
 
-/// What the processes of a session find out together before they draw a frame, which is of one
-/// mesh. All calls are collective and throw parallel::AgreedError.
+/// What the processes of a session find out together before they draw a frame. All calls are
+/// collective and throw parallel::AgreedError.
 namespace insitu::scene {
 
-/// The fields that the frame names, as all processes have them.
-FieldsByName frame_fields(const Frame& frame, const commit::CommittedMesh& mesh,
+/// The fields that the frame names of a mesh, as all processes have them.
+FieldsByName frame_fields(const FrameLayer& layer, const commit::CommittedMesh& mesh,
                           const Environment& environment);
+
+/// Whether some process draws other cells in the place of the solver's: copies on a chart, or cells
+/// that are made of them (adaptive meshes' duals).
+struct CellsInPlace {
+  bool copies = false, made = false;
+};
+CellsInPlace find_cells_in_place(const commit::CommittedMesh& mesh, parallel::World& world);
 
 /// Makes the facts that the mesh's samplers tell those of the whole mesh.
 void know_whole_facts(commit::CommittedMesh& mesh, const Environment& environment);
@@ -44,13 +52,21 @@ public:
 
 private:
   std::int64_t own_key(std::int64_t own) const {
-    return by_ids_ ? mesh_.mesh().global_id(INSITU_CELL, own) : before_ + own;
+    return by_ids_ ? mesh_->mesh().global_id(INSITU_CELL, own) : before_ + own;
   }
 
-  const commit::CommittedMesh& mesh_;
+  const commit::CommittedMesh* mesh_;
   bool by_ids_;
   std::int64_t before_ = 0; ///< cells of lower processes
   std::int64_t end_ = 0;    ///< of the keys of cells in their own places
+};
+
+/// What processes know of one of the meshes of a frame.
+struct LayerOnAll {
+  FieldsByName fields;
+  CellsInPlace in_place;
+  std::optional<FrameKeys> keys;
+  RangesByColor ranges;
 };
 
 } // namespace insitu::scene
