@@ -135,7 +135,7 @@ Counts Tracer::follow(const query::Sampler& sampler, bool same_cells, double t0,
       if (all.lengths[i] >= settings_.length)
         all.endings[i] = INSITU_END_EXPIRED;
       if (effects_.removes && all.endings[i] == INSITU_END_ALIVE &&
-          effects_.removes(at, all.positions[i], all.times[i] - all.seeding_times[i]))
+          effects_.is_removed(sampler, at, all.positions[i], all.times[i] - all.seeding_times[i]))
         all.endings[i] = INSITU_END_REMOVED;
       if (snapshots)
         take_straight(sampler, *snapshots, i, all, fresh, from, begins, at);

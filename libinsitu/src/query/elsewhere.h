@@ -1,33 +1,48 @@
 #pragma once
 
 #include <exception>
+#include <optional>
+#include <vector>
 
 #include "math/vec.h"
+#include "query/location.h"
 
 /// Points that no cell of this process holds, while cells of other processes may.
 namespace insitu::query {
 
-/// Thrown for such a point: what asked for it cannot go on before the other processes have told who
-/// holds it.
+class Outlook;
+
+/// Thrown for such a point: what asked for it cannot go on before the other processes have told
+/// what they have there.
 struct Elsewhere final : std::exception {
-  Elsewhere(const math::Vec3d& at, double of_geometry) : point(at), alpha(of_geometry) {}
+  Elsewhere(const Outlook& who, const math::Vec3d& at, double of_geometry, double within = 0.0)
+      : outlook(&who), point(at), alpha(of_geometry), reach(within) {}
   const char* what() const noexcept override { return "a place that another process may hold"; }
 
+  const Outlook* outlook; ///< which has to know
   math::Vec3d point;
   double alpha; ///< of the geometry: see LocateOptions
-  /// Whether a value at the point, at this time, is all that is wanted: who holds it does then not
-  /// matter.
-  bool is_for_value = false;
-  double time = 0.0;
+  double reach; ///< 0: the cell that holds the point is wanted; else Outlook::nearest()
 };
 
-/// Knows about points that no cell here holds.
+/// Knows about points that no cell here holds. Its calls are const and thread-safe.
 class Outlook {
 public:
   virtual ~Outlook() = default;
-  /// Throws Elsewhere unless it is known that no other process has a cell that holds the point.
-  /// Called from many threads at once.
-  virtual void missed(const math::Vec3d& point, double alpha) const = 0;
+  /// Whether another process may have a cell that holds the point.
+  virtual bool is_beyond(const math::Vec3d& point) const = 0;
+  /// The place of such a point in a cell of another process, which the sampler's mesh then has, or
+  /// none where no process holds it. Throws Elsewhere where that is not known.
+  virtual Location find(const math::Vec3d& point, double alpha) const = 0;
+  /// Of a point that no process holds, and that is not near to cells here: the nearest point in
+  /// other processes' cells, if it lies within reach along each axis. Throws Elsewhere where that
+  /// is not known.
+  virtual std::optional<math::Vec3d> nearest(const math::Vec3d& point, double reach,
+                                             double alpha) const = 0;
+  /// The other processes that may hold a point, or a point within reach of it.
+  virtual std::vector<int> ranks_at(const math::Vec3d& point, double reach) const = 0;
+  /// Who knows in this one's place, or null: nobody any more.
+  virtual void ask(const Outlook* /*who*/) const {}
 };
 
 } // namespace insitu::query

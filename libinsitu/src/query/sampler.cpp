@@ -151,9 +151,7 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
     counts_->add(why);
   if (reason)
     *reason = why;
-  if (!at)
-    missed(p, options.alpha);
-  return at;
+  return at || !outlook_ ? at : outlook_->find(p, options.alpha);
 }
 
 /// A point that is not strictly inside of its cell, which touches another process's, may be in one
@@ -214,10 +212,6 @@ Answered Sampler::settle_at_seams(const Answered& answered, std::span<const Vec3
     settled.reasons = reasons;
   }
   return settled;
-}
-
-void Sampler::tell_missed(const Vec3d& point, double alpha) const {
-  outlook_->missed(point, alpha);
 }
 
 Sampler Sampler::among(const CulledCells& cells) const {

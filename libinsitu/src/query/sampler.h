@@ -87,18 +87,21 @@ public:
     s.outlook_ = outlook_;
     return s;
   }
-  /// The same, of whose points that no cell holds the outlook is told by locate() of one point
+  /// The same on a view that has these cells, by the same flat ids, and others behind them, which
+  /// an outlook alone finds. It must outlive this.
+  Sampler on(const mesh::MeshView& view) const {
+    Sampler s = *this;
+    s.mesh_ = &view;
+    return s;
+  }
+  /// The same, of whose points that no cell holds the outlook is asked by locate() of one point
   /// (and may throw Elsewhere there), by its image on a chart; null: nobody. It must outlive this.
   Sampler with_outlook(const Outlook* outlook) const {
     Sampler s = *this;
     s.outlook_ = outlook;
     return s;
   }
-  /// The outlook is told of a point that no cell was found to hold, as by locate().
-  void missed(const math::Vec3d& point, double alpha) const {
-    if (outlook_)
-      tell_missed(point, alpha);
-  }
+  const Outlook* outlook() const { return outlook_; }
 
   /// The same for points of which only those in some cells matter; all others come out as outside.
   /// The cells must outlive it, and be made of this sampler.
@@ -172,7 +175,6 @@ public:
 private:
   /// Which cells are alone, if it counts in a query; else null.
   const LoneCells* lone_cells(const LocateOptions& options) const;
-  void tell_missed(const math::Vec3d& point, double alpha) const;
   void count(Reason reason, std::int64_t points) const;
   void visit_in_order(Batches& batches, std::span<const math::Vec3d> points, std::size_t count,
                       Batches::Put put) const;

@@ -40,7 +40,7 @@ void SoundCells::make_room(std::int64_t cell_count) const {
 
 SoundCells::Known SoundCells::known(std::int64_t cell) const {
   std::uint8_t* const states = room_.load(std::memory_order_acquire);
-  if (!states)
+  if (!states || std::size_t(cell) >= states_.size())
     return Known::unknown;
   const std::uint8_t state = State(states[cell]).load(std::memory_order_relaxed);
   return unsigned(state >> 2) == epoch_ ? Known(state & 3) : Known::unknown;
@@ -66,8 +66,9 @@ void SoundCells::find(std::int64_t cell_count, mesh::Shape shape,
     for (int k = 0; k < block.count; ++k) {
       const Asked& a = part[std::size_t(k)];
       *a.to = sound >> k & 1 ? Known::sound : Known::odd;
-      State(states[a.cell])
-          .store(std::uint8_t(epoch_ << 2 | unsigned(*a.to)), std::memory_order_relaxed);
+      if (std::size_t(a.cell) < states_.size())
+        State(states[a.cell])
+            .store(std::uint8_t(epoch_ << 2 | unsigned(*a.to)), std::memory_order_relaxed);
     }
   }
 }

@@ -74,7 +74,8 @@ TEST_F(Attached, AreRemovedWhereAConditionHolds) {
     Tracer tracer(settings, memory);
     const auto seeds = random_points(42, 300, 0.0, 1.0);
     tracer.seed(seeds, 0.0);
-    effects.removes = [&](const query::Location& at, const Vec3d& x, double age) {
+    effects.removes = [&](const std::vector<double>&, const query::Location& at, const Vec3d& x,
+                          double age) {
       EXPECT_TRUE(bool(at));
       EXPECT_LT(distance(query::position(mesh.sampler(), at), x), 1e-14);
       return x.x > 0.9 + 0.1 * age;

@@ -80,9 +80,8 @@ class Removal : public EffectsTest {};
 
 TEST_F(Removal, EndsParticlesWhereTheConditionHolds) {
   const BoxMesh mesh(4, 0.0, 1.0);
-  effects.removes = [](const query::Location& at, const Vec3d& x, double age) {
-    return at.cell >= 0 && (x.x > 0.7 || age > 2.5);
-  };
+  effects.removes = [](const std::vector<double>&, const query::Location& at, const Vec3d& x,
+                       double age) { return at.cell >= 0 && (x.x > 0.7 || age > 2.5); };
   const std::vector<Vec3d> seeds{{0.1, 0.5, 0.5}, {0.65, 0.5, 0.5}, {0.1, 0.2, 5.0}};
   const Tracer t = run(
       mesh,

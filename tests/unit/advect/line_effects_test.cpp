@@ -100,7 +100,8 @@ TEST_F(LineEffects, WhatDoesNothingChangesNoBit) {
       settings.integrator.face_aware = face_aware;
       settings.effects = {};
       const Streamlines plain = trace(mesh, flow, seeds);
-      settings.effects.removes = [](const query::Location&, const Vec3d&, double) { return false; };
+      settings.effects.removes = [](const std::vector<double>&, const query::Location&,
+                                    const Vec3d&, double) { return false; };
       const Streamlines with = trace(mesh, flow, seeds);
       if (even > 0.0) {
         EXPECT_TRUE(same_lines(plain, with)) << face_aware;
@@ -250,9 +251,9 @@ TEST_F(LineEffects, RemovedWhereTheConditionBeginsToHold) {
         settings.effects.inertia->response_time = 1e-3;
         settings.duration = 10.0;
       }
-      settings.effects.removes = [by_age](const query::Location&, const Vec3d& x, double age) {
-        return by_age ? age > 0.75 : x.x > 0.6;
-      };
+      settings.effects.removes = [by_age](const std::vector<double>&, const query::Location&,
+                                          const Vec3d& x,
+                                          double age) { return by_age ? age > 0.75 : x.x > 0.6; };
       const Streamlines s = trace(mesh, flow, seeds);
       EXPECT_EQ(s.counts.by_ending[INSITU_END_REMOVED], 3) << kind;
       EXPECT_EQ(s.counts.by_ending[INSITU_END_SEED_OUTSIDE], 1);
@@ -325,9 +326,8 @@ TEST_F(LineEffects, TheSameForAnyThreadsAndAccountedFor) {
     respond(kind % 2 == 0 ? AtBoundary::slide : AtBoundary::stop);
     settings.effects.boundary->periodic[0] = kind > 1;
     drift({0, 0, 0.1});
-    settings.effects.removes = [](const query::Location&, const Vec3d& x, double) {
-      return x.y > 0.9;
-    };
+    settings.effects.removes = [](const std::vector<double>&, const query::Location&,
+                                  const Vec3d& x, double) { return x.y > 0.9; };
     const Streamlines s = trace(mesh, flow, seeds, &one);
     EXPECT_TRUE(same_lines(s, trace(mesh, flow, seeds, &four))) << kind;
     EXPECT_EQ(s.counts.seeded, 300);

@@ -270,6 +270,29 @@ TEST(ProcessAdaptive, Tracers) {
   expect_one(scene, INSITU_DUAL, 2);
 }
 
+/// Steps that go over the cells of several processes.
+TEST(ProcessAdaptive, FarSteps) {
+  const std::string far =
+      "seeds: {box: {min: [0.5, 0.5, 0.5], max: [3.5, 3.5, 3.5], counts: [5, 5, 5]}}, integrator: "
+      "{method: rk4, step: 0.8}";
+  const std::string scene =
+      "insitu: 1\npage: false\n"
+      "tracers:\n"
+      "  - {name: paths, velocity: v, fields: [s], kind: pathline, times: {interval: 0.07},\n"
+      "     output: [csv], " +
+      far +
+      "}\n"
+      "  - {name: walls, velocity: v, fields: [s], kind: pathline, output: [csv],\n"
+      "     effects: [{boundary: {other: slide}}], " +
+      far +
+      "}\n"
+      "  - {name: lines, velocity: v, fields: [s], kind: streamline, until: {duration: 4},\n"
+      "     spacing: {length: 0.1}, " +
+      far + "}\n";
+  expect_one(scene, INSITU_DUAL, 3);
+  expect_one(scene, INSITU_NEAREST, 2);
+}
+
 namespace {
 
 /// A block of 16 cells along each axis, of which those in a box that moves are refined.

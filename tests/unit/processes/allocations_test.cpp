@@ -151,6 +151,24 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfTracedPaths) {
   EXPECT_GT(failures, 5);
 }
 
+/// Steps over the cells of several processes ask for these; and once more, as another cycle.
+TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfFarSteps) {
+  const std::string seeds =
+      "seeds: {box: {min: [0.1, 0.1, 0.1], max: [2.9, 2.9, 2.9], counts: [3, 3, 2]}}, velocity: u, "
+      "integrator: {method: rk4, step: 1.2}, fields: [p, c], output: [csv]";
+  const int failures = lack_each(
+      "tracers:\n  - {name: paths, times: {interval: 0.1}, effects: [{boundary: {other: "
+      "slide}}], " +
+          seeds + "}\n  - {name: lines, kind: streamline, until: {duration: 3}, " + seeds + "}\n",
+      7, [](Attempt& attempt) {
+        EXPECT_EQ(attempt.process.execute(0), "");
+        attempt.process.give_fields(1);
+        attempt([&] { return execute(attempt.process, 1); });
+        EXPECT_EQ(attempt.process.execute(2), "");
+      });
+  EXPECT_GT(failures, 10);
+}
+
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfACheckpoint) {
   const int failures = lack_each(moving, 3, [](Attempt& attempt) {
     const std::string file = attempt.folder / "state";

@@ -141,6 +141,24 @@ TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
 
 /// The solver moves cells from process to process, then takes another mesh, whose chart has its
 /// seam elsewhere, and in the end the first one again.
+/// Steps over the cells of several processes, over the seam and the poles.
+TEST(ProcessEarth, FarStepsAreThoseOfOneProcess) {
+  const std::string far = std::string(", velocity: w, fields: [p, w, c], seeds: ") + seeds +
+                          ", integrator: {method: rk4, step: 0.5}";
+  expect_files_of_one(
+      "insitu: 1\npage: false\ntracers:\n"
+      "  - {name: paths, kind: pathline, output: [csv], times: {interval: 0.06}" +
+          far +
+          "}\n"
+          "  - {name: walls, kind: pathline, output: [csv], effects: [{boundary: "
+          "{other: slide}}, {settling: {speed: 2000}}]" +
+          far +
+          "}\n"
+          "  - {name: lines, kind: streamline, until: {duration: 2}, output: [csv]" +
+          far + "}\n",
+      {2, 3, 4, 8}, 3, "killed");
+}
+
 TEST(ProcessEarth, OtherCellsAreThoseOfOneProcess) {
   const std::vector<Earth> all = earths();
   const auto by = [&](const TestMesh& from, const TestMesh& to) {

@@ -6,14 +6,16 @@
 #include <mutex>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
+#include "advect/across/own_boxes.h"
 #include "advect/integrate/check.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
 #include "advect/lines/line_recorder.h"
-#include "core/status.h"
+#include "parallel/parcels.h"
 
 namespace insitu::advect {
 
@@ -21,19 +23,15 @@ using math::Vec3d;
 
 namespace {
 
-void refuse(const std::string& what) {
-  throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                    "tracer: " + what + " on a mesh that is spread over processes");
-}
-
 /// Traces the lines of all processes; each is a particle, whose id is the line's number.
 class Lines {
 public:
   Lines(const Across& across, const query::Sampler& sampler, const mesh::FieldView& velocity,
-        const StreamlineSettings& settings, std::int64_t per_seed, const core::Threads& threads,
+        StreamlineSettings settings, std::int64_t per_seed, const core::Threads& threads,
         Particles& particles)
       : across_(across), sampler_(sampler), here_(sampler), velocity_(velocity),
-        settings_(settings), per_seed_(per_seed), threads_(threads), particles_(particles) {}
+        settings_(std::move(settings)), per_seed_(per_seed), threads_(threads),
+        particles_(particles) {}
 
   LinePieces run();
 
@@ -68,13 +66,15 @@ private:
   bool end(L& leg, std::size_t i, const V& field, Rounds& rounds, Run&& run);
   template <class L>
   void keep(const L& leg, std::int64_t line);
+  void run(parallel::World& world, FarCells& cells);
+  void send_vertices(parallel::World& world, const FarCells& cells);
   void sum_up();
 
   const Across& across_;
   const query::Sampler& sampler_;
   query::Sampler here_;
-  const mesh::FieldView& velocity_;
-  const StreamlineSettings& settings_;
+  mesh::FieldView velocity_;
+  StreamlineSettings settings_;
   const std::int64_t per_seed_;
   const core::Threads& threads_;
   Particles& particles_;
@@ -107,14 +107,13 @@ bool Lines::begin(L& leg, std::size_t i, V& field, const Rounds& rounds,
     leg.vertices.emplace(field, here_, settings_, setup_->sides, leg.list);
   else
     leg.vertices.emplace(field, here_, settings_, leg.list);
-  leg.journey.emplace(across_.homes);
+  leg.journey.emplace(rounds.homes());
   if (leg.way.is_marked) {
     leg.vertices->go_on_from(mark.recorder);
     leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, &*leg.vertices, effects);
   } else {
     leg.journey->begin(leg.p, leg.work, &*leg.vertices);
   }
-  leg.journey->know(rounds.far_of(i));
   field.travel_by(&*leg.journey);
   return true;
 }
@@ -122,11 +121,6 @@ bool Lines::begin(L& leg, std::size_t i, V& field, const Rounds& rounds,
 /// What there is of the line here is a piece of it.
 template <class L>
 void Lines::keep(const L& leg, std::int64_t line) {
-  for (const LineVertex& v : leg.list)
-    if (v.cell < -1)
-      refuse(
-          "no streamlines whose steps go over cells of several processes (shorter steps, such as "
-          "'integrator: {max_step}', do not)");
   const std::lock_guard lock(mutex_);
   result_.pieces.push_back({line, leg.way.hops, leg.vertices->first(), leg.list});
 }
@@ -284,39 +278,79 @@ void Lines::sum_up() {
   across_.world.agree_after([&] { check_counts(particles_, result_.counts); });
 }
 
+/// Vertices in cells that are not here any more once the lines are made go to who owns these.
+void Lines::send_vertices(parallel::World& world, const FarCells& cells) {
+  struct Sent {
+    LineVertex vertex;
+    CellName cell;
+    std::int64_t piece, number;
+  };
+  std::vector<parallel::Parcel> parcels;
+  world.agree_after([&] {
+    std::vector<std::vector<Sent>> to(std::size_t(world.size()));
+    for (std::size_t p = 0; p < result_.pieces.size(); ++p)
+      for (std::size_t v = 0; v < result_.pieces[p].vertices.size(); ++v) {
+        LineVertex& vertex = result_.pieces[p].vertices[v];
+        if (vertex.cell < 0 || !cells.is_far(vertex.cell))
+          continue;
+        const CellName name = cells.homes().name(vertex.cell);
+        vertex.cell = -1;
+        to[std::size_t(name.rank)].push_back({vertex, name, std::int64_t(p), std::int64_t(v)});
+      }
+    parcels = parallel::parcels_of(to);
+  });
+  parcels = world.exchange(parcels);
+  world.agree_after([&] {
+    for (const parallel::Parcel& parcel : parcels)
+      for (const Sent& sent : parallel::items_of<Sent>(parcel.bytes)) {
+        LineVertex vertex = sent.vertex;
+        vertex.cell = across_.homes.find(sent.cell);
+        result_.of_others.push_back({parcel.rank, sent.piece, sent.number, vertex});
+      }
+  });
+}
+
+void Lines::run(parallel::World& world, FarCells& cells) {
+  Rounds rounds(across_, settings_.accuracy, cells, nullptr, particles_, nullptr);
+  world.agree_after([&] {
+    here_ = cells.sampler();
+    if (setup_)
+      setup_->effects = settings_.effects;
+    beyond_ = CellsBeyond::worth(sampler_, particles_.seeded());
+  });
+  share_effects(world, sampler_, threads_, setup_);
+  const bool on_chart = sampler_.chart() != nullptr;
+  rounds.run([&](std::span<const std::size_t> some) {
+    if (setup_)
+      on_chart ? move<ChartVelocity>(rounds, some) : move<DriftVelocity>(rounds, some);
+    else
+      on_chart ? carry_on_chart(rounds, some) : carry(rounds, some);
+  });
+  rounds.bring_home(left_);
+  send_vertices(world, cells);
+  here_ = sampler_;
+}
+
 LinePieces Lines::run() {
   parallel::World& world = across_.world;
   std::vector<mesh::Box> own;
+  std::vector<FarCells::InTime> fields{{&velocity_}};
+  std::vector<std::int64_t> facts;
   world.agree_after([&] {
     if (settings_.effects.any())
       setup_.emplace(settings_.effects, sampler_, threads_);
-    own = OwnBoxes::find(sampler_.mesh(), across_.homes, threads_);
+    own = own_boxes(sampler_.mesh(), across_.homes, threads_);
+    add_fields(settings_.effects, fields);
+    facts = FarCells::facts(sampler_, fields);
   });
-  share_effects(world, sampler_, threads_, setup_);
-  OtherCells others(world, own);
-  here_ = sampler_.with_outlook(&others);
-  Rounds rounds(across_, sampler_.among_images(), settings_.accuracy, others, particles_, nullptr);
-  world.agree_after([&] { beyond_ = CellsBeyond::worth(sampler_, particles_.seeded()); });
-  const bool on_chart = sampler_.chart() != nullptr;
-  const auto value_by = [&](auto type, const Vec3d& x, double t, Vec3d& v) {
-    typename decltype(type)::type field(sampler_, velocity_, nullptr, 0.0, 0.0, settings_.accuracy,
-                                        settings_.effects.drifts);
-    field.begin(-1);
-    query::Location at;
-    return field.sample(x, t, v, at);
-  };
-  rounds.run(
-      [&](std::span<const std::size_t> some) {
-        if (setup_)
-          on_chart ? move<ChartVelocity>(rounds, some) : move<DriftVelocity>(rounds, some);
-        else
-          on_chart ? carry_on_chart(rounds, some) : carry(rounds, some);
-      },
-      [&](const Vec3d& x, double t, Vec3d& v) {
-        return on_chart ? value_by(std::type_identity<ChartVelocity>(), x, t, v)
-                        : value_by(std::type_identity<DriftVelocity>(), x, t, v);
-      });
-  rounds.bring_home(left_);
+  query::Directory directory;
+  directory.gather(own, world);
+  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  std::optional<FarCells> cells;
+  world.agree_after([&] {
+    cells.emplace(sampler_, across_.homes, std::move(directory), world.rank(), fields, facts);
+  });
+  run(world, *cells);
   if (settings_.exits)
     tell_exits(world, *settings_.exits, sampler_, left_, particles_);
   world.agree_after([&] {

@@ -22,6 +22,12 @@ struct LinePiece {
 /// The lines of all processes, as far as they are here.
 struct LinePieces {
   std::vector<LinePiece> pieces; ///< in the order in which they were made
+  /// A vertex of another process's piece, which has no cell of it, in a cell here.
+  struct OfOther {
+    std::int64_t rank, piece, number; ///< the process, and places in its lists
+    LineVertex vertex;
+  };
+  std::vector<OfOther> of_others;
   struct End {
     std::int64_t line;
     std::int64_t ending;

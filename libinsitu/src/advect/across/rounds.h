@@ -2,16 +2,18 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
-#include "advect/across/cell_boxes.h"
+#include "advect/across/far_cells.h"
 #include "advect/across/traveller.h"
 #include "advect/lines/snapshots.h"
 #include "advect/particles.h"
 #include "core/parallel.h"
 #include "parallel/world.h"
+#include "query/elsewhere.h"
 #include "query/sampler.h"
 
 namespace insitu::advect {
@@ -43,31 +45,27 @@ void check_counts(const Particles& here, const Counts& all);
 /// the thread that called the library, but for what says otherwise.
 class Rounds {
 public:
-  /// The arguments must outlive the object. sampler: without an outlook, among images.
-  Rounds(const Across& across, const query::Sampler& sampler, insitu_accuracy accuracy,
-         OtherCells& others, Particles& particles, Snapshots* snapshots);
+  /// The arguments must outlive the object. before: of the step before a change of cells, or null.
+  Rounds(const Across& across, insitu_accuracy accuracy, FarCells& cells, FarCells* before,
+         Particles& particles, Snapshots* snapshots);
 
   /// carry(particles) moves these, by their places among the particles, as far as that goes here;
   /// it tells of each that is not at its end by moves() or waits(). Not collective.
-  /// velocity(x, t, v, cell): here, where a cell of this process holds x.
-  using Evaluate = core::FunctionRef<Sampled(const math::Vec3d&, double, math::Vec3d&)>;
-  void run(core::FunctionRef<void(std::span<const std::size_t>)> carry, Evaluate velocity);
-  /// At the end, particles that are alive or in `left` go to the process that owns their cell;
-  /// `left` is then that of the particles that are here.
+  void run(core::FunctionRef<void(std::span<const std::size_t>)> carry);
+  /// At the end, particles that are alive, in `left` or in a cell that is not here go to the
+  /// process that owns their cell, and so do snapshots in such cells; `left` is then that of the
+  /// particles that are here.
   void bring_home(std::vector<LeftAt>& left);
 
   // For carry(), from any thread.
+  /// Of all cells that are here.
+  const Homes& homes() const { return homes_; }
   /// How a particle goes on.
   OnTheWay way_of(std::size_t particle) const;
-  /// What is known for its next step of places elsewhere.
-  std::span<const FarValue> far_of(std::size_t particle) const;
   /// The particle's cell is another process's.
   void moves(std::size_t particle, const OnTheWay& way);
   /// Its next step needs a place that another process may hold.
   void waits(std::size_t particle, const OnTheWay& way, const query::Elsewhere& at);
-
-  /// The particle ended its way in a cell elsewhere (Journey::far_cell).
-  void ends_far(std::size_t particle, std::int64_t cell);
 
   /// So often particles changed process, and asked for places, of this process; its rounds, and the
   /// bytes that it sent.
@@ -87,31 +85,35 @@ private:
     OnTheWay way;
     query::Elsewhere at;
     int holder = -1;
-    bool knows_cell = false;
-    FarValue value = {};
+    bool goes = false; ///< to the holder
+    bool is_near = false;
+    query::Location found = {};
+    std::optional<math::Vec3d> nearest = {};
+
+    bool may_go() const;
+    void note(int rank, const Answer& answer);
   };
   std::int64_t sum(std::int64_t mine) const;
   std::vector<parallel::Parcel> exchange(std::span<const parallel::Parcel> parcels);
   void send(std::vector<LeftAt>* left);
   void receive(std::span<const parallel::Parcel> parcels, std::vector<LeftAt>* left);
-  void ask(Evaluate velocity);
-  std::vector<Answer> answers_to(std::span<const Question> questions, Evaluate velocity) const;
+  void ask();
+  void answer(const Question& question, parallel::ByteWriter& to) const;
+  void take_answers(const parallel::Parcel& parcel);
   void go_on(const Waiting& waiting);
-  CellName name_for(std::size_t particle, std::int64_t cell) const;
+  void send_snapshots();
 
   parallel::World& world_;
-  const Homes& homes_;
-  const query::Sampler sampler_;
   insitu_accuracy accuracy_;
-  OtherCells& others_;
+  FarCells& cells_;
+  FarCells* before_;
+  const Homes& homes_; ///< of all cells that are here
   Particles& particles_;
   Snapshots* snapshots_;
   std::mutex mutex_;
   std::vector<Moving> moving_;
   std::vector<Waiting> waiting_;
   std::unordered_map<std::size_t, OnTheWay> ways_; ///< of particles that are under way
-  std::unordered_map<std::size_t, std::vector<FarValue>> far_;
-  std::unordered_map<std::size_t, CellName> ends_far_;
   std::vector<std::size_t> todo_;
   std::int64_t hops_ = 0, questions_ = 0, rounds_ = 0, bytes_ = 0;
 };

@@ -3,8 +3,10 @@
 #include <bit>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "advect/across/own_boxes.h"
 #include "advect/lines/interval.h"
 #include "advect/pathlines.h"
 #include "core/status.h"
@@ -65,34 +67,43 @@ void seed_across(Particles& particles, std::span<const math::Vec3d> points, doub
 
 void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_accuracy accuracy,
                     const Across& across, const core::Threads& threads) {
+  parallel::World& world = across.world;
   std::vector<mesh::Box> own;
-  across.world.agree_after([&] { own = OwnBoxes::find(sampler.mesh(), across.homes, threads); });
-  OtherCells others(across.world, own);
-  const query::Sampler here = sampler.with_outlook(&others);
-  Rounds rounds(across, sampler.among_images(), accuracy, others, particles, nullptr);
+  std::vector<std::int64_t> facts;
+  world.agree_after([&] {
+    own = own_boxes(sampler.mesh(), across.homes, threads);
+    facts = FarCells::facts(sampler, {});
+  });
+  query::Directory directory;
+  directory.gather(own, world);
+  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  std::optional<FarCells> cells;
+  world.agree_after([&] {
+    cells.emplace(sampler, across.homes, std::move(directory), world.rank(),
+                  std::span<const FarCells::InTime>(), facts);
+  });
+  const query::Sampler& here = cells->sampler();
+  Rounds rounds(across, accuracy, *cells, nullptr, particles, nullptr);
   const auto find = [&](std::size_t i) {
     if (particles.endings[i] != INSITU_END_ALIVE || particles.fresh[i])
       return; // what is fresh is where it is to be
     OnTheWay way = rounds.way_of(i);
     try {
       const query::Location at = here.locate(particles.positions[i], -1, {accuracy});
-      if (at && !across.homes.is_own(at.cell)) {
-        way.mark.to = across.homes.name(at.cell);
+      if (at && !rounds.homes().is_own(at.cell)) {
+        way.mark.to = rounds.homes().name(at.cell);
         rounds.moves(i, way);
       }
     } catch (const query::Elsewhere& at) {
       rounds.waits(i, way, at);
     }
   };
-  rounds.run(
-      [&](std::span<const std::size_t> some) {
-        threads.parallel_for(
-            std::int64_t(some.size()), 256, [&](std::int64_t begin, std::int64_t end) {
-              for (const std::size_t i : some.subspan(std::size_t(begin), std::size_t(end - begin)))
-                find(i);
-            });
-      },
-      [](const math::Vec3d&, double, math::Vec3d&) { return Sampled::outside; });
+  rounds.run([&](std::span<const std::size_t> some) {
+    threads.parallel_for(std::int64_t(some.size()), 256, [&](std::int64_t begin, std::int64_t end) {
+      for (const std::size_t i : some.subspan(std::size_t(begin), std::size_t(end - begin)))
+        find(i);
+    });
+  });
 }
 
 Counts counts_of_all(parallel::World& world, const Counts& here) {

@@ -46,17 +46,22 @@ static_assert(std::is_trivially_copyable_v<Traveller>);
 /// What a process asks of another one about a place.
 struct Question {
   math::Vec3d point;
-  double alpha;
-  CellName cell;       ///< of the particle that asks, or none
+  double alpha, reach; ///< as of query::Elsewhere
+  CellName cell;       ///< of the particle that asks, if it may go there, or none
   std::int64_t number; ///< of the asker
-  bool is_for_value;   ///< what the velocity is there, at this time
-  double time;
+  std::uint8_t before; ///< among the cells of the step before a change of cells
+  std::uint8_t goes;   ///< the particle may make its step there
+  std::uint8_t padding[6] = {};
 };
 struct Answer {
   std::int64_t number;
-  bool holds;      ///< this process owns the cell that owns the place
-  bool knows_cell; ///< the asking particle's cell exists here
-  FarValue value;  ///< if it was asked for and the place is held
+  math::Vec3d parametric; ///< in the cell that holds the place
+  math::Vec3d nearest;
+  std::uint8_t holds;   ///< this process owns the cell that owns the place
+  std::uint8_t goes;    ///< the particle's step is made here; else the cell follows
+  std::uint8_t is_near; ///< nobody here holds it, but the nearest place that was asked for is here,
+                        ///< or may be
+  std::uint8_t padding[5] = {};
 };
 
 } // namespace insitu::advect

@@ -7,7 +7,6 @@
 #include "advect/effects/space.h"
 #include "advect/field/mesh_velocity.h"
 #include "geo/upright.h"
-#include "query/elsewhere.h"
 
 namespace insitu::advect {
 
@@ -47,17 +46,8 @@ public:
   void go_on_from(const KeptVelocity& kept) { flow_.go_on_from(kept); }
 
   Sampled operator()(const math::Vec3d& x, double t, math::Vec3d& v) {
-    Sampled sampled;
-    if (journey() && flow_.take_far(x, t, sampled, v)) [[unlikely]]
-      return sampled;
     query::Location at;
-    try {
-      return sample(x, t, v, at);
-    } catch (query::Elsewhere& e) {
-      e.is_for_value = e.point == x;
-      e.time = t;
-      throw;
-    }
+    return sample(x, t, v, at);
   }
   /// At a point among the cells, in lengths along the axes there; `at` is where it lies.
   Sampled sample(const math::Vec3d& x, double t, math::Vec3d& v, query::Location& at) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -70,8 +71,10 @@ struct BoundaryEffect {
   bool any_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
 };
 
-/// Whether a particle of this age at this place ends as removed. Called from any thread.
-using Removes = std::function<bool(const query::Location& at, const math::Vec3d& x, double age)>;
+/// Whether a particle of this age at this place ends as removed; values: of the fields of
+/// Effects::removes_by there, the magnitudes of vectors. Called from any thread.
+using Removes = std::function<bool(const std::vector<double>& values, const query::Location& at,
+                                   const math::Vec3d& x, double age)>;
 
 struct Effects {
   std::vector<Drift> drifts;
@@ -79,6 +82,7 @@ struct Effects {
   std::optional<Inertia> inertia;
   std::optional<BoundaryEffect> boundary;
   Removes removes; ///< or null; asked at the end of each advance
+  std::vector<mesh::FieldView> removes_by;
   /// The mesh is geocentric: vertical is the ellipsoid's normal at the particle, and the vectors of
   /// `inertia` but the rotation are east, north and up there.
   bool geocentric = false;
@@ -87,6 +91,20 @@ struct Effects {
   bool any() const { return !drifts.empty() || displaces() || bool(removes); }
   /// Whether there is more than the velocity that moves particles.
   bool displaces() const { return diffusion || inertia || boundary; }
+  /// Whether a particle at a place of the sampler's mesh, of which the fields are, is removed.
+  bool is_removed(const query::Sampler& sampler, const query::Location& at, const math::Vec3d& x,
+                  double age) const {
+    std::vector<double> values, components;
+    for (const mesh::FieldView& field : removes_by) {
+      components.resize(std::size_t(field.components));
+      sampler.interpolate(field, at, components.data());
+      double squares = 0.0;
+      for (const double c : components)
+        squares += c * c;
+      values.push_back(field.components == 1 ? components[0] : std::sqrt(squares));
+    }
+    return removes(values, at, x, age);
+  }
 };
 
 /// What effects did in one advance.

@@ -15,10 +15,14 @@ CellCache::CellCache(const Moment& moment)
       proof_(moment.mesh(), sampler_->odd(), {moment.accuracy(), moment.moves() ? 0.0 : 1.0}),
       sound_(sampler_->sound_cells(moment.moves())) {}
 
-/// Cells in runs have no vertices of their own to keep.
+/// Cells in runs have no vertices of their own to keep. Those of another process's gridlets come
+/// one by one, as the only voxels of a dual that stand so.
 bool CellCache::can_keep(std::int64_t cell) const {
   const mesh::MeshView& mesh = sampler_->mesh();
-  return !mesh.pieces[mesh.piece_of(cell)].in_runs();
+  const std::int32_t p = mesh.piece_of(cell);
+  const mesh::PieceView& piece = mesh.pieces[p];
+  return !piece.in_runs() &&
+         !(by_places_ && piece.shape(cell - mesh.first_cell[p]) == mesh::Shape::voxel);
 }
 
 /// A cell that may own points and has vertices to keep.

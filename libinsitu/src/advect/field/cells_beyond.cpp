@@ -61,7 +61,8 @@ void for_a_few(const mesh::MeshView& mesh, Visit&& visit) {
 
 } // namespace
 
-CellsBeyond::CellsBeyond(const query::Sampler& sampler) : neighbours_(sampler.neighbours()) {
+CellsBeyond::CellsBeyond(const query::Sampler& sampler)
+    : cells_(sampler.mesh().cell_count()), neighbours_(sampler.neighbours()) {
   if (neighbours_) {
     knows_ = knows_most_ = true;
     return;
@@ -125,6 +126,8 @@ void CellsBeyond::learn(const query::Sampler& sampler, bool wedges, int side,
 }
 
 std::int64_t CellsBeyond::across(std::int64_t cell, Shape shape, int face) const {
+  if (cell >= cells_)
+    return -1;
   if (neighbours_)
     return neighbours_->across(cell, face);
   const bool wedge = shape == Shape::wedge;
@@ -132,7 +135,8 @@ std::int64_t CellsBeyond::across(std::int64_t cell, Shape shape, int face) const
     return -1;
   constexpr int of_wedge[] = {3, 4, 1, 2, 0};
   const int side = wedge ? of_wedge[face] : face;
-  return of(wedge).known >> side & 1U ? cell + of(wedge).step[side] : -1;
+  const std::int64_t next = cell + of(wedge).step[side];
+  return of(wedge).known >> side & 1U && next < cells_ ? next : -1;
 }
 
 bool CellsBeyond::tells_most(const mesh::MeshView& mesh) const {

@@ -41,6 +41,8 @@ public:
   /// this near to them; -1 where nothing is guessed. It is some number: there may be no such cell.
   std::int64_t guess(std::int64_t cell, mesh::Shape shape, const math::Vec3d& r,
                      double near = 0.0) const {
+    if (cell >= cells_)
+      return -1;
     if (neighbours_) {
       const int face = face_beyond(shape, r, near);
       return face < 0 ? -1 : neighbours_->across(cell, face);
@@ -52,7 +54,7 @@ public:
     for (int side = 0; side < most_sides; ++side)
       if (sides >> side & 1U)
         cell += steps.step[side];
-    return cell;
+    return cell < cells_ ? cell : -1;
   }
 
   /// The guess at the cell across a face of a shape (cells::face_table), or -1.
@@ -60,7 +62,7 @@ public:
 
   /// Asks for what a guess from this cell reads.
   void foresee(std::int64_t cell) const {
-    if (neighbours_)
+    if (neighbours_ && cell < cells_)
       neighbours_->foresee(cell);
   }
 
@@ -81,6 +83,7 @@ private:
                     query::NumberSteps::Of& steps);
   bool tells_most(const mesh::MeshView& mesh) const;
 
+  std::int64_t cells_; ///< of the mesh: from those behind, of other processes, nothing is guessed
   const accel::FaceNeighbours* neighbours_;
   query::NumberSteps steps_;
   bool knows_ = false, knows_most_ = false, lacks_neighbours_ = false;

@@ -8,7 +8,6 @@
 #include "advect/effects/drift.h"
 #include "advect/field/chart_motion.h"
 #include "advect/field/mesh_velocity.h"
-#include "query/elsewhere.h"
 
 namespace insitu::advect {
 
@@ -46,7 +45,7 @@ public:
     return there.position(x);
   }
 
-  // Over several processes: see MeshVelocity. What is known from another process is at images.
+  // Over several processes: see MeshVelocity.
   void travel_by(Journey* journey) { inner_.travel_by(journey); }
   Journey* journey() const { return inner_.journey(); }
   KeptVelocity keep() const {
@@ -86,9 +85,7 @@ public:
       return Sampled::outside;
     query::Location at;
     Sampled sampled;
-    if (journey() && inner_.take_far(image, t, sampled, metres)) [[unlikely]]
-      return of_rates(sampled, motion_.rates(x, image, space_.pole_of(image), metres), v);
-    sampled = drifts_.empty() ? inner_(image, t, metres) : with_place(image, t, metres, at);
+    sampled = drifts_.empty() ? inner_(image, t, metres) : inner_.sample(image, t, metres, at);
     if (sampled == Sampled::outside && motion_.is_west_by_rounding(x) && inner_.cell() >= 0) {
       image.x = motion_.west();
       sampled = inner_.sample(image, t, metres, at);
@@ -241,20 +238,6 @@ private:
     v = rates;
     const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
     return sampled == Sampled::inside && !finite ? Sampled::not_finite : sampled;
-  }
-
-  /// For drifts. Another process has no more than the image: near a pole it cannot tell the
-  /// direction of those that are no fields of vectors, to the bit.
-  Sampled with_place(const math::Vec3d& image, double t, math::Vec3d& v, query::Location& at) {
-    try {
-      return inner_.sample(image, t, v, at);
-    } catch (query::Elsewhere& e) {
-      e.is_for_value =
-          e.point == image && (space_.pole_of(image) == geo::Pole::none ||
-                               std::ranges::all_of(drifts_, &ChartVelocity::is_field_of_vectors));
-      e.time = t;
-      throw;
-    }
   }
 
   /// Where x is kept, by the image that inside(image) keeps.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 
 #include "advect/effects/kept_mover.h"
 #include "advect/field/homes.h"
@@ -27,15 +26,6 @@ struct RecorderMark {
     bool bends = false;
     math::Vec3d bend;
   } moved = {};
-};
-
-/// What another process has at a place and a time.
-struct FarValue {
-  math::Vec3d x;
-  double t;
-  Sampled sampled;
-  math::Vec3d v;
-  CellName cell;
 };
 
 /// Who is told of a particle's way, as far as another process has to know of it.
@@ -127,19 +117,6 @@ public:
     mark_.to = cell;
   }
 
-  /// What is known of places that no cell here holds; it must outlive the way.
-  void know(std::span<const FarValue> far) { far_ = far; }
-  /// That of them which is at this place and time; or -1.
-  std::int64_t find_far(const math::Vec3d& x, double t) const {
-    for (std::size_t k = 0; k < far_.size(); ++k)
-      if (far_[k].x == x && far_[k].t == t)
-        return std::int64_t(k);
-    return -1;
-  }
-  const FarValue& far(std::int64_t k) const { return far_[std::size_t(k)]; }
-  /// The cell of a place of the list, as velocities know it: below -1, so no cell here.
-  static std::int64_t far_cell(std::int64_t k) { return -2 - k; }
-
   // For integration().
   template <class F, class Steps>
   bool go_on(F& velocity, Steps& steps, bool& settled) {
@@ -191,7 +168,6 @@ private:
   const Work* work_ = nullptr;
   const Marked* recorder_ = nullptr;
   const MarkedMover* mover_ = nullptr;
-  std::span<const FarValue> far_;
   WayMark mark_;
   bool is_marked_ = false, goes_on_ = false, stays_ = false;
 };

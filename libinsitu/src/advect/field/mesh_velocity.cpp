@@ -1,9 +1,5 @@
 #include "advect/field/mesh_velocity.h"
 
-#include <algorithm>
-
-#include "query/elsewhere.h"
-
 namespace insitu::advect {
 
 using math::Vec3d;
@@ -33,16 +29,9 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   cells_.note_unguided(cells_.last());
   place_.cell = -1;
-  query::Location at;
-  try {
-    at = moment_.locate(x, cells_.serves() ? -1 : std::max<std::int64_t>(hint_, -1));
-    if (!at)
-      at = beside_mesh(x);
-  } catch (query::Elsewhere& e) {
-    e.is_for_value = where == nullptr && e.point == x;
-    e.time = moment_.time();
-    throw;
-  }
+  query::Location at = moment_.locate(x, cells_.serves() ? -1 : hint_);
+  if (!at)
+    at = beside_mesh(x);
   if (where)
     *where = at;
   return taken(at, v);

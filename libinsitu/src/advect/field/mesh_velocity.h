@@ -68,19 +68,6 @@ public:
     return ask<true>(x, t, v, &at);
   }
 
-  /// Whether what is at this place and time is known from another process; takes that.
-  bool take_far(const math::Vec3d& x, double t, Sampled& sampled, math::Vec3d& v) {
-    const std::int64_t k = journey_->find_far(x, t);
-    if (k < 0)
-      return false;
-    moment_.set(t);
-    sampled = journey_->far(k).sampled;
-    v = journey_->far(k).v;
-    hint_ = Journey::far_cell(k);
-    place_.cell = -1;
-    return true;
-  }
-
   /// The cell of the point asked last, if that was inside.
   std::int64_t asked() const { return hint_; }
   void accepted() {

@@ -26,7 +26,6 @@ public:
          double t0, double t1, insitu_accuracy accuracy);
 
   void set(double t) {
-    time_ = t;
     alpha_ = times_.alpha(t);
     if (steps_ > 2)
       times_.weights(t, steps_, weights_);
@@ -46,7 +45,6 @@ public:
     std::copy_n(kept.weights, most_steps, weights_);
   }
 
-  double time() const { return time_; } ///< of the last set()
   /// How much of the current step there is in the velocity through two steps.
   double alpha() const { return alpha_; }
   /// How much of the current step there is in the geometry: 1 if nothing moved.
@@ -115,7 +113,7 @@ private:
   int steps_; ///< of fields_, that serve
   bool moves_;
   insitu_accuracy accuracy_;
-  double time_ = 0.0, alpha_ = 1.0;
+  double alpha_ = 1.0;
   double weights_[most_steps] = {}; ///< of the moment, through more than two steps
 };
 

@@ -33,9 +33,6 @@ void LaneBatch::answer(std::span<LaneVelocity* const> lanes) {
         guessed_.push_back({l, cell});
       else
         crossing_.push_back(l);
-    } else if (l->journey() && !l->confined_.is_on() &&
-               l->take_far(l->x_, l->t_, l->sampled_, l->v_)) {
-      continue;
     } else if (l->confined_.is_on()) {
       ask(*l, l->cells_.own(l->moment_));
     } else {
@@ -182,6 +179,12 @@ void LaneBatch::try_cells() {
   }
 }
 
+/// Of a point that a batch did not find.
+query::Location LaneBatch::found_elsewhere(const Vec3d& x, double alpha) const {
+  const query::Outlook* const outlook = sampler_->outlook();
+  return outlook ? outlook->find(x, alpha) : query::Location{};
+}
+
 void LaneBatch::locate() {
   const std::size_t misses = lost_.size(), all = misses + crossing_.size();
   if (all == 0)
@@ -212,14 +215,9 @@ void LaneBatch::locate() {
     if (!locations_[i]) {
       LaneVelocity& lost = *lost_[i];
       lost.note_elsewhere([&] {
-        try {
-          sampler_->missed(lost.x_, lost.moment_.geometry_alpha());
-        } catch (query::Elsewhere& e) {
-          e.is_for_value = true;
-          e.time = lost.t_;
-          throw;
-        }
-        locations_[i] = lost.beside_mesh(lost.x_);
+        locations_[i] = found_elsewhere(lost.x_, lost.moment_.geometry_alpha());
+        if (!locations_[i])
+          locations_[i] = lost.beside_mesh(lost.x_);
       });
     }
   for (std::size_t i = 0; i < misses; ++i)
@@ -231,8 +229,9 @@ void LaneBatch::locate() {
     LaneVelocity& crossing = *crossing_[i - misses];
     crossing.beyond_at_ = locations_[i];
     if (!locations_[i])
-      crossing.note_elsewhere(
-          [&] { sampler_->missed(crossing.beyond_, crossing.moment_.geometry_alpha()); });
+      crossing.note_elsewhere([&] {
+        crossing.beyond_at_ = found_elsewhere(crossing.beyond_, crossing.moment_.geometry_alpha());
+      });
   }
 }
 

@@ -98,6 +98,7 @@ private:
   void ask_guessed();
   void try_cells();
   void try_next();
+  query::Location found_elsewhere(const math::Vec3d& x, double alpha) const;
   void locate();
 
   const query::Sampler* sampler_;

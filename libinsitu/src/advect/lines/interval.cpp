@@ -22,10 +22,13 @@ std::int64_t grain_of(std::int64_t particles, const core::Threads& threads) {
 
 Interval::Interval(const Asked& asked, const TracerSettings& settings, const Effects& effects,
                    Particles& particles)
-    : asked_(asked), settings_(settings), effects_(effects), particles_(particles),
+    : asked_(asked), settings_(settings), effects_(effects), velocity_(asked.velocity),
+      earlier_(asked.earlier.fields.begin(), asked.earlier.fields.end()), particles_(particles),
       crosses_(asked.before && asked.t1 != asked.t0),
       integrator_(settings_for(asked.velocity, settings.integrator)),
       grain_(grain_of(std::int64_t(particles.size()), asked.threads)), here_(asked.sampler) {
+  if (asked.before)
+    before_ = *asked.before;
   // On a geodetic mesh and between cells drifts are the velocity's, which integrate() alone
   // follows.
   if (asked.sampler.chart() || crosses_ ? effects.displaces() : effects.any())
@@ -63,7 +66,7 @@ insitu_ending Interval::store(std::size_t i, const State& p, std::int64_t cell,
   if (ending == INSITU_END_ALIVE && effects_.removes) {
     const query::Location here =
         owner_of(here_, beyond_.get(), cell, p.x, {settings_.accuracy, geometry_alpha});
-    if (here && effects_.removes(here, p.x, std::abs(p.time - seeded)))
+    if (here && effects_.is_removed(here_, here, p.x, std::abs(p.time - seeded)))
       ending = INSITU_END_REMOVED;
   }
   if (ending != INSITU_END_ALIVE && ending != INSITU_END_LEFT && cell >= 0 && moves_in_lanes() &&

@@ -60,6 +60,7 @@ private:
     result_.blended_geometry = velocity.blends_geometry();
   }
 
+  EarlierSteps earlier() const { return {earlier_, asked_.earlier.before}; }
   bool moves_in_lanes() const { return !crosses_ && !asked_.sampler.chart() && !setup_; }
   void run_in_lanes();
   void run_on_same_cells();
@@ -69,13 +70,15 @@ private:
   /// CrossingVelocity.
   template <class V>
   V crossing(Between what) const {
-    return V(here_, asked_.velocity, *asked_.before, asked_.t0, asked_.t1, settings_.accuracy,
-             effects_.drifts, what);
+    return V(here_, velocity_, *before_, asked_.t0, asked_.t1, settings_.accuracy, effects_.drifts,
+             what);
   }
 
   // On several processes: interval_across.cpp.
   template <class V>
   struct Leg;
+  void run_across(parallel::World& world, FarCells& cells, FarCells* before);
+  void carry_across(Rounds& rounds, std::span<const std::size_t> particles);
   void lanes_across(Rounds& rounds, std::span<const std::size_t> particles);
   template <class Make>
   void one_by_one_across(Rounds& rounds, std::span<const std::size_t> particles, Make&& make);
@@ -106,7 +109,10 @@ private:
 
   const Asked asked_;
   const TracerSettings& settings_;
-  const Effects& effects_;
+  Effects effects_;
+  mesh::FieldView velocity_;
+  std::vector<mesh::FieldView> earlier_; ///< of the velocity
+  std::optional<StepBefore> before_;
   Particles& particles_;
   const bool crosses_; ///< to other cells
   const IntegratorSettings integrator_;
@@ -116,7 +122,7 @@ private:
   std::vector<EffectWork> effect_work_;
   std::unique_ptr<const CellsBeyond> beyond_;
   const Sides no_sides_;
-  query::Sampler here_; ///< on several processes: that which knows of the others
+  query::Sampler here_; ///< on several processes: that which knows of the others, as fields do
   std::mutex left_mutex_;
   std::vector<LeftAt> left_; ///< the particles that leave, if there are exits
   Advance result_;

@@ -1,8 +1,11 @@
 // Particles on several processes: see Interval.
 #include <algorithm>
+#include <type_traits>
+#include <utility>
 
 #include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
+#include "advect/across/own_boxes.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
 #include "advect/lines/interval_one_by_one.h"
@@ -43,13 +46,12 @@ void Interval::begin_leg(Leg<V>& leg, std::size_t i, V& velocity, const Rounds& 
     if (leg.way.is_marked)
       leg.taker->go_on_from(mark.recorder);
   }
-  leg.journey.emplace(asked_.across->homes);
+  leg.journey.emplace(rounds.homes());
   const Marked* const recorder = leg.taker ? &*leg.taker : nullptr;
   if (leg.way.is_marked)
     leg.journey->begin(mark, leg.way.stays, leg.p, leg.work, recorder, effects);
   else
     leg.journey->begin(leg.p, leg.work, recorder);
-  leg.journey->know(rounds.far_of(i));
   velocity.travel_by(&*leg.journey);
 }
 
@@ -78,8 +80,6 @@ bool Interval::end_leg(Leg<V>& leg, std::size_t i, V& velocity, Rounds& rounds, 
       rounds.moves(i, goes_on());
       return false;
     }
-    if (cell < -1)
-      rounds.ends_far(i, cell);
     ending = store(i, leg.p, cell, ending, velocity.geometry_alpha(leg.p.time));
     if (leg.taker && ending != INSITU_END_ALIVE)
       leg.taker->ended(leg.p);
@@ -101,8 +101,8 @@ void Interval::lanes_across(Rounds& rounds, std::span<const std::size_t> particl
     run_lanes(
         here_, begin, end,
         [&](std::deque<LaneVelocity>& to) {
-          LaneVelocity& v = to.emplace_back(here_, asked_.velocity, asked_.earlier, asked_.t0,
-                                            asked_.t1, settings_.accuracy);
+          LaneVelocity& v = to.emplace_back(here_, velocity_, earlier(), asked_.t0, asked_.t1,
+                                            settings_.accuracy);
           v.walk_by(beyond_.get());
           v.take_boundaries();
         },
@@ -288,67 +288,80 @@ void Interval::sum_up() {
   world.agree_after([&] { check_counts(particles_, result_.counts); });
 }
 
-Advance Interval::run_across() {
-  parallel::World& world = asked_.across->world;
-  std::vector<mesh::Box> own;
-  world.agree_after([&] {
-    if (crosses_) // they are of the cells before
-      std::ranges::fill(particles_.cells, std::int64_t(-1));
-    own = OwnBoxes::find(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
-  });
-  OtherCells others(world, own);
-  here_ = asked_.sampler.with_outlook(&others);
+void Interval::carry_across(Rounds& rounds, std::span<const std::size_t> particles) {
+  const bool on_chart = asked_.sampler.chart() != nullptr;
+  const auto velocity = [&](auto type) {
+    return [&, type] {
+      return typename decltype(type)::type(here_, velocity_, earlier(), asked_.t0, asked_.t1,
+                                           settings_.accuracy, effects_.drifts);
+    };
+  };
+  if (crosses_ && on_chart)
+    cross_across<CrossingVelocity<ChartVelocity>>(rounds, particles);
+  else if (crosses_)
+    cross_across<CrossingVelocity<DriftVelocity>>(rounds, particles);
+  else if (on_chart)
+    one_by_one_across(rounds, particles, velocity(std::type_identity<ChartVelocity>()));
+  else if (setup_)
+    one_by_one_across(rounds, particles, velocity(std::type_identity<DriftVelocity>()));
+  else
+    lanes_across(rounds, particles);
+}
+
+/// cells: of the current step; before: of that before a change of cells, or null.
+void Interval::run_across(parallel::World& world, FarCells& cells, FarCells* before) {
   std::int64_t particles = count();
   world.reduce(std::span(&particles, 1), parallel::Reduction::sum);
-  Rounds rounds(*asked_.across, asked_.sampler.among_images(), settings_.accuracy, others,
-                particles_, asked_.snapshots);
+  Rounds rounds(*asked_.across, settings_.accuracy, cells, before, particles_, asked_.snapshots);
   world.agree_after([&] {
+    here_ = cells.sampler();
+    if (before)
+      before_->sampler = before->sampler();
+    if (setup_)
+      setup_->effects = effects_;
     beyond_ = CellsBeyond::worth(asked_.sampler, particles);
     if (crosses_)
       note(crossing<CrossingVelocity<DriftVelocity>>(Between::either));
     else
-      note(MeshVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
-                        settings_.accuracy));
+      note(MeshVelocity(here_, velocity_, earlier(), asked_.t0, asked_.t1, settings_.accuracy));
   });
   share_effects(world, asked_.sampler, asked_.threads, setup_);
-  const bool on_chart = asked_.sampler.chart() != nullptr;
-  const auto value_by = [&](auto type, const math::Vec3d& x, double t, math::Vec3d& v) {
-    typename decltype(type)::type velocity(asked_.sampler, asked_.velocity, asked_.earlier,
-                                           asked_.t0, asked_.t1, settings_.accuracy,
-                                           effects_.drifts);
-    velocity.begin(-1);
-    query::Location at;
-    return velocity.sample(x, t, v, at);
-  };
-  rounds.run(
-      [&](std::span<const std::size_t> some) {
-        if (crosses_ && on_chart)
-          cross_across<CrossingVelocity<ChartVelocity>>(rounds, some);
-        else if (crosses_)
-          cross_across<CrossingVelocity<DriftVelocity>>(rounds, some);
-        else if (on_chart)
-          one_by_one_across(rounds, some, [&] {
-            return ChartVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
-                                 settings_.accuracy, effects_.drifts);
-          });
-        else if (setup_)
-          one_by_one_across(rounds, some, [&] {
-            return DriftVelocity(here_, asked_.velocity, asked_.earlier, asked_.t0, asked_.t1,
-                                 settings_.accuracy, effects_.drifts);
-          });
-        else
-          lanes_across(rounds, some);
-      },
-      [&](const math::Vec3d& x, double t, math::Vec3d& v) {
-        return on_chart ? value_by(std::type_identity<ChartVelocity>(), x, t, v)
-                        : value_by(std::type_identity<DriftVelocity>(), x, t, v);
-      });
+  rounds.run([&](std::span<const std::size_t> some) { carry_across(rounds, some); });
   rounds.bring_home(left_);
   result_.travel = {rounds.hops(), rounds.questions(), rounds.rounds(), rounds.bytes()};
+  here_ = asked_.sampler;
+}
+
+Advance Interval::run_across() {
+  parallel::World& world = asked_.across->world;
+  std::vector<mesh::Box> own;
+  std::vector<FarCells::InTime> fields{{&velocity_, &earlier_}}, fields_before;
+  std::vector<std::int64_t> facts;
+  world.agree_after([&] {
+    if (crosses_) // they are of the cells before
+      std::ranges::fill(particles_.cells, std::int64_t(-1));
+    own = own_boxes(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
+    add_fields(effects_, fields);
+    facts = FarCells::facts(asked_.sampler, fields);
+  });
+  query::Directory directory;
+  directory.gather(own, world);
+  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  std::optional<FarCells> cells, before;
+  world.agree_after([&] {
+    cells.emplace(asked_.sampler, asked_.across->homes, std::move(directory), world.rank(), fields,
+                  facts);
+    if (!crosses_)
+      return;
+    fields_before.push_back({&before_->velocity});
+    add_fields(before_->drifts, fields_before);
+    before.emplace(before_->sampler, fields_before,
+                   FarCells::facts(before_->sampler, fields_before));
+  });
+  run_across(world, *cells, before ? &*before : nullptr);
   if (asked_.exits)
     tell_exits(world, *asked_.exits, asked_.sampler, left_, particles_);
   sum_up();
-  here_ = asked_.sampler;
   return result_;
 }
 

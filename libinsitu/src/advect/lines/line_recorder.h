@@ -156,7 +156,7 @@ private:
     if (!settings_.effects.removes)
       return false;
     const query::Location at = sampler_.locate(x, velocity_.cell(), {settings_.accuracy});
-    return at && settings_.effects.removes(at, x, std::abs(time));
+    return at && settings_.effects.is_removed(sampler_, at, x, std::abs(time));
   }
 
   /// A line that goes on from where it went straight to has a vertex there.

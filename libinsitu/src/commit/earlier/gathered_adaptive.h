@@ -47,8 +47,11 @@ private:
     explicit Locator(const query::DualPlaces& places) : inner(places) {}
     bool find(const math::Vec3d& p, std::int64_t hint, query::Location& at, query::Reason& reason,
               std::int64_t& guess) const override {
-      if (watch)
-        watch->missed(p, 1.0);
+      if (watch && watch->is_beyond(p)) {
+        at = watch->find(p, 1.0);
+        reason = at ? query::Reason::certified : query::Reason::outside;
+        return true;
+      }
       return inner.find(p, hint, at, reason, guess);
     }
     void with_batches(const query::PointQuery& query, Ask ask) const override {

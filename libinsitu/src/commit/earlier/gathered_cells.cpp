@@ -14,29 +14,36 @@ using math::Vec3d;
 using mesh::CellName;
 using parallel::Parcel;
 
-/// Refuses places where others had cells that are not here.
+/// Knows where others had cells that are not here.
 class EarlierMesh::Beyond final : public query::Outlook {
 public:
   Beyond(std::vector<mesh::Box> here, query::Directory others, int rank)
       : here_(std::move(here)), others_(std::move(others)), rank_(rank) {}
 
-  void missed(const Vec3d& point, double) const override {
-    if (std::ranges::any_of(here_, [&](const mesh::Box& box) { return box.holds(point); }))
-      return;
+  bool is_beyond(const Vec3d& point) const override {
+    return std::ranges::none_of(here_, [&](const mesh::Box& box) { return box.holds(point); }) &&
+           !ranks_at(point, 0.0).empty();
+  }
+  query::Location find(const Vec3d& point, double alpha) const override {
+    return asked_ && is_beyond(point) ? asked_->find(point, alpha) : query::Location{};
+  }
+  std::optional<Vec3d> nearest(const Vec3d& point, double reach, double alpha) const override {
+    return asked_ && is_beyond(point) ? asked_->nearest(point, reach, alpha) : std::nullopt;
+  }
+  std::vector<int> ranks_at(const Vec3d& point, double) const override {
+    std::vector<int> ranks;
     for (int r = 0; r < others_.size(); ++r)
       if (r != rank_ && others_.may_hold(r, point))
-        throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                          "tracer: a step over a change of cells goes to (" +
-                              std::to_string(point.x) + ", " + std::to_string(point.y) + ", " +
-                              std::to_string(point.z) +
-                              "), where another process had cells: shorter steps, such as "
-                              "'integrator: {max_step}', do not");
+        ranks.push_back(r);
+    return ranks;
   }
+  void ask(const query::Outlook* who) const override { asked_ = who; }
 
 private:
   std::vector<mesh::Box> here_;
   query::Directory others_;
   int rank_;
+  mutable const query::Outlook* asked_ = nullptr;
 };
 
 namespace {

@@ -9,6 +9,7 @@
 #include "cells/kernels/kernels.h"
 #include "query/batch/candidates.h"
 #include "query/chart_image.h"
+#include "query/elsewhere.h"
 #include "query/lattice/gridlet_query.h"
 #include "query/point_query.h"
 
@@ -148,7 +149,9 @@ Location bring_inside(const Sampler& sampler, Vec3d& p, double reach,
     return {};
   const ChartImage* const chart = sampler.chart();
   const Vec3d image = chart ? (*chart)(p) : p;
-  const std::optional<Vec3d> found = nearest_inside(sampler, image, reach, options);
+  std::optional<Vec3d> found = nearest_inside(sampler, image, reach, options);
+  if (!found && sampler.outlook())
+    found = sampler.outlook()->nearest(image, reach, options.alpha);
   if (!found)
     return {};
   if (!chart) {

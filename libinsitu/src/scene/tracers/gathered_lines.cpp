@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "core/status.h"
 #include "parallel/bytes.h"
@@ -20,6 +21,11 @@ struct Vertex {
   math::Vec3d point;
   double time;
   OwnCell cell;
+};
+/// In the place of one that has no cell where its piece was made.
+struct Replaced {
+  std::int64_t rank, piece, number;
+  Vertex vertex;
 };
 /// Of a line, on one process.
 struct Piece {
@@ -50,6 +56,10 @@ GatheredLines::GatheredLines(const advect::LinePieces& here, const TracerAction&
         points.push_back(v.point);
         at.push_back(v.cell);
       }
+    for (const advect::LinePieces::OfOther& of : here.of_others) {
+      points.push_back(of.vertex.point);
+      at.push_back(of.vertex.cell);
+    }
     const std::vector<double> all = tracer.sample(mesh, fields, points, at);
     ByteWriter to;
     to.value(std::int64_t(here.pieces.size()));
@@ -65,6 +75,13 @@ GatheredLines::GatheredLines(const advect::LinePieces& here, const TracerAction&
       to.array(std::span<const double>(all).subspan(first * width, count * width));
       first += count;
     }
+    to.value(std::int64_t(here.of_others.size()));
+    for (const advect::LinePieces::OfOther& of : here.of_others) {
+      const advect::LineVertex& v = of.vertex;
+      to.value(Replaced{
+          of.rank, of.piece, of.number, {v.point, v.time, own_cell(mesh, v.cell, v.point, world)}});
+      to.array(std::span<const double>(all).subspan(first++ * width, width));
+    }
     to.value(std::int64_t(here.ends.size()));
     to.array(std::span<const advect::LinePieces::End>(here.ends));
     mine = to.bytes();
@@ -76,7 +93,10 @@ GatheredLines::GatheredLines(const advect::LinePieces& here, const TracerAction&
   world.agree_after([&] {
     std::vector<Piece> pieces;
     std::vector<advect::LinePieces::End> ends;
+    std::map<int, std::size_t> first_of; // the place of a process's first piece
+    std::vector<std::pair<Replaced, std::vector<double>>> replaced;
     for (const auto& [rank, bytes] : gathered) {
+      first_of[rank] = pieces.size();
       ByteReader from(bytes);
       const auto count = from.value<std::int64_t>();
       for (std::int64_t k = 0; k < count; ++k) {
@@ -89,9 +109,18 @@ GatheredLines::GatheredLines(const advect::LinePieces& here, const TracerAction&
         piece.vertices = from.array<Vertex>(vertices);
         piece.values = from.array<double>(vertices * width);
       }
+      for (auto left = from.value<std::int64_t>(); left > 0; --left) {
+        const auto vertex = from.value<Replaced>();
+        replaced.emplace_back(vertex, from.array<double>(width));
+      }
       const std::vector<advect::LinePieces::End> more =
           from.array<advect::LinePieces::End>(std::size_t(from.value<std::int64_t>()));
       ends.insert(ends.end(), more.begin(), more.end());
+    }
+    for (const auto& [by, with] : replaced) {
+      Piece& piece = pieces[first_of.at(int(by.rank)) + std::size_t(by.piece)];
+      piece.vertices[std::size_t(by.number)] = by.vertex;
+      std::ranges::copy(with, piece.values.begin() + by.number * std::ptrdiff_t(width));
     }
     std::ranges::sort(pieces, {},
                       [](const Piece& p) { return std::tuple(p.line, p.hops, p.order); });

@@ -1,7 +1,5 @@
 #include "scene/tracers/tracer_effects.h"
 
-#include <cmath>
-
 #include "core/status.h"
 #include "scene/run/lookup.h"
 
@@ -139,31 +137,18 @@ std::vector<advect::Drift> drifts_of(const TracerEffects& from, const insitu_fra
   return drifts;
 }
 
-/// Vectors count by their magnitude, as in the scene's other conditions.
-advect::Removes removes_when(const RemoveEffect& remove, const commit::CommittedMesh& mesh,
-                             const Step& step, const std::string& scene_file) {
-  std::vector<mesh::FieldView> fields;
-  std::size_t width = 0;
+/// Vectors count by their magnitude, as in the scene's other conditions. A process without cells
+/// may lack the fields.
+void add_removal(const RemoveEffect& remove, const commit::CommittedMesh& mesh, const Step& step,
+                 const std::string& scene_file, advect::Effects& to) {
   for (const Expression::FieldUse& use : remove.when.uses()) {
-    if (lacks(mesh, {use.field, remove.line}))
-      return [](const query::Location&, const math::Vec3d&, double) { return false; };
-    fields.push_back(find_field(mesh, {use.field, remove.line}, scene_file));
-    width += std::size_t(fields.back().components);
+    const Name name{use.field, remove.line};
+    to.removes_by.push_back(lacks(mesh, name) ? mesh::FieldView{use.field.c_str(), INSITU_VERTEX, 1}
+                                              : find_field(mesh, name, scene_file));
   }
-  return [&remove, fields, width, sampler = mesh.sampler(), cycle = step.cycle,
-          time = step.time](const query::Location& at, const math::Vec3d&, double age) {
-    std::vector<double> components(width), values;
-    sampler.interpolate(fields, at, components.data());
-    const double* from = components.data();
-    for (const mesh::FieldView& f : fields) {
-      double squares = 0.0;
-      for (int c = 0; c < f.components; ++c)
-        squares += from[c] * from[c];
-      values.push_back(f.components == 1 ? from[0] : std::sqrt(squares));
-      from += f.components;
-    }
-    return remove.when.evaluate_at(cycle, time, age, values);
-  };
+  to.removes = [&remove, cycle = step.cycle, time = step.time](
+                   const std::vector<double>& values, const query::Location&, const math::Vec3d&,
+                   double age) { return remove.when.evaluate_at(cycle, time, age, values); };
 }
 
 } // namespace
@@ -213,7 +198,7 @@ advect::Effects effects_at(const Tracer& tracer, const commit::CommittedMesh& me
       to.boundary->periodic[a] = from.boundary->periodic[a];
   }
   if (from.remove)
-    to.removes = removes_when(*from.remove, mesh, step, scene_file);
+    add_removal(*from.remove, mesh, step, scene_file, to);
   return to;
 }
 

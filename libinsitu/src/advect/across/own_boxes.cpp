@@ -1,9 +1,10 @@
-#include "advect/across/cell_boxes.h"
+#include "advect/across/own_boxes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
+
+#include "query/directory.h"
 
 namespace insitu::advect {
 
@@ -26,8 +27,8 @@ void widen(mesh::Box& box) {
 
 } // namespace
 
-std::vector<mesh::Box> OwnBoxes::find(const mesh::MeshView& mesh, const Homes& homes,
-                                      const core::Threads& threads) {
+std::vector<mesh::Box> own_boxes(const mesh::MeshView& mesh, const Homes& homes,
+                                 const core::Threads& threads) {
   constexpr auto most = std::int64_t(query::Directory::most_boxes);
   const std::int64_t cells = mesh.cell_count();
   const std::int64_t grain = std::max<std::int64_t>((cells + most - 1) / most, 1);
@@ -50,40 +51,6 @@ std::vector<mesh::Box> OwnBoxes::find(const mesh::MeshView& mesh, const Homes& h
   std::erase_if(boxes, [](const mesh::Box& box) { return !(box.low.x <= box.high.x); });
   std::ranges::for_each(boxes, widen);
   return boxes;
-}
-
-OtherCells::OtherCells(parallel::World& world, std::span<const mesh::Box> own)
-    : rank_(world.rank()) {
-  directory_.gather(own, world);
-}
-
-void OtherCells::missed(const Vec3d& point, double alpha) const {
-  bool elsewhere = false;
-  for (int r = 0; r < directory_.size() && !elsewhere; ++r)
-    elsewhere = r != rank_ && directory_.may_hold(r, point);
-  if (elsewhere && !outside_.contains({point, alpha}))
-    throw query::Elsewhere{point, alpha};
-}
-
-std::vector<int> OtherCells::ranks_at(const Vec3d& point) const {
-  std::vector<int> ranks;
-  for (int r = 0; r < directory_.size(); ++r)
-    if (r != rank_ && directory_.may_hold(r, point))
-      ranks.push_back(r);
-  return ranks;
-}
-
-bool OtherCells::Place::operator==(const Place& b) const {
-  return point == b.point && alpha == b.alpha;
-}
-
-std::size_t OtherCells::Hash::operator()(const Place& place) const {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const double part : {place.point.x, place.point.y, place.point.z, place.alpha}) {
-    hash = (hash ^ std::bit_cast<std::uint64_t>(part + 0.0)) * 0x9e3779b97f4a7c15ull;
-    hash ^= hash >> 29;
-  }
-  return std::size_t(hash);
 }
 
 } // namespace insitu::advect
