@@ -19,9 +19,6 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
     out.push_back(read_domain(mesh, options.topology, options.channel));
     if (!options.adaptive)
       return;
-    if (out.back().dimensions != 3)
-      mesh.refuse(INSITU_ERROR_UNSUPPORTED,
-                  "has two dimensions; adaptive meshes of three are supported");
     Node level = mesh.find("state/level_id");
     if (!level)
       level = mesh.at("state/level");
@@ -165,6 +162,7 @@ void Attachment::read_and_give(const Node& data, const Options& options) {
   domains_ = std::move(now);
   if (options.adaptive && !domains_.empty()) {
     const bool same = ratios == ratios_ && lattice.level_count == lattice_.level_count &&
+                      lattice.dimensions == lattice_.dimensions &&
                       std::equal(lattice.origin, lattice.origin + 3, lattice_.origin) &&
                       std::equal(lattice.spacing, lattice.spacing + 3, lattice_.spacing);
     ratios_ = std::move(ratios);

@@ -20,11 +20,12 @@ std::string text(double x) {
 
 /// How many of the finer spacing make the coarser one, along all axes; 0: no power of two from 2
 /// on, up to the roundings of whoever divided.
-std::int64_t ratio_of(const std::array<double, 3>& coarse, const std::array<double, 3>& fine) {
+std::int64_t ratio_of(const std::array<double, 3>& coarse, const std::array<double, 3>& fine,
+                      std::size_t dimensions) {
   const double ratio = std::round(coarse[0] / fine[0]);
   if (!(ratio >= 2 && ratio <= double(1 << 30)) || std::exp2(std::round(std::log2(ratio))) != ratio)
     return 0;
-  for (std::size_t a = 0; a < 3; ++a)
+  for (std::size_t a = 0; a < dimensions; ++a)
     if (!(std::fabs(coarse[a] - ratio * fine[a]) <= 1e-9 * std::fabs(coarse[a])))
       return 0;
   return static_cast<std::int64_t>(ratio);
@@ -35,14 +36,18 @@ struct Level {
   const Domain* first;
 };
 
-/// The spacings of the levels that are here. Those of a level agree.
+/// The spacings of the levels that are here. Those of a level agree, and the dimensions of all.
 std::map<std::int64_t, Level> levels_of(const std::vector<Domain>& domains) {
   std::map<std::int64_t, Level> out;
   for (const Domain& d : domains) {
     if (d.kind != Domain::Kind::block || d.block.kind != INSITU_BLOCK_UNIFORM)
       unsupported(d, "is no uniform block; the domains of an adaptive mesh have to be");
+    if (d.dimensions != domains.front().dimensions)
+      unsupported(d, "has " + std::to_string(d.dimensions) + " dimensions, " +
+                         domains.front().path + " has " +
+                         std::to_string(domains.front().dimensions));
     const auto [known, fresh] = out.try_emplace(d.level, Level{d.spacing, &d});
-    for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a) {
       const double s = d.spacing[a], of_level = known->second.spacing[a];
       if (!(s > 0) || std::fabs(s - of_level) > 1e-9 * of_level)
         unsupported(d, "has the spacing " + text(s) + " along axis " + std::to_string(a) +
@@ -66,7 +71,8 @@ void set_levels(const std::map<std::int64_t, Level>& levels, insitu_amr& lattice
   for (auto fine = std::next(levels.begin()); fine != levels.end(); ++fine) {
     const auto coarse = std::prev(fine);
     const std::int64_t gap = fine->first - coarse->first;
-    std::int64_t ratio = ratio_of(coarse->second.spacing, fine->second.spacing);
+    std::int64_t ratio = ratio_of(coarse->second.spacing, fine->second.spacing,
+                                  std::size_t(fine->second.first->dimensions));
     for (std::int64_t l = 0; l < gap; ++l) {
       const std::int64_t left = gap - l - 1; // levels after this one
       const std::int64_t here = ratio >> left >= 4 ? 4 : 2;
@@ -84,6 +90,7 @@ void set_levels(const std::map<std::int64_t, Level>& levels, insitu_amr& lattice
   std::copy(spacing.begin(), spacing.end(), lattice.spacing);
   const Domain& first = *levels.begin()->second.first;
   std::copy(first.origin.begin(), first.origin.end(), lattice.origin);
+  lattice.dimensions = first.dimensions;
 }
 
 /// Takes layers of duplicates off a domain, of which a box must be left; its fields become windows.
@@ -143,7 +150,9 @@ void make_patches(std::vector<Domain>& domains, insitu_amr& lattice,
     double finer = 1;
     for (std::int64_t l = 0; l < d.level; ++l)
       finer *= ratios[static_cast<std::size_t>(l)];
-    for (std::size_t a = 0; a < 3; ++a) {
+    if (d.dimensions == 2) // one cell along k
+      d.extent[2] = d.block.vertices[2] = 2;
+    for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a) {
       const double spacing = lattice.spacing[a] / finer;
       const double at = (d.origin[a] - lattice.origin[a]) / spacing, place = std::round(at);
       if (!(std::fabs(place) < double(1 << 30)) || std::fabs(at - place) > 1e-3)

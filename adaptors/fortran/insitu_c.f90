@@ -199,6 +199,8 @@ module insitu_c
     type(c_ptr) :: ratios = c_null_ptr
     integer(c_int32_t) :: finest_first = 0
     integer(c_int) :: reconstruction = insitu_dual
+    integer(c_int32_t) :: dimensions = 3
+    integer(c_int32_t) :: reserved = 0
   end type c_amr
 
   type, bind(c) :: c_patch

@@ -40,13 +40,14 @@ AmrLevels levels_of(vtkOverlappingAMR* amr) {
   if (out.count < 1)
     throw Error(INSITU_ERROR_ARGUMENT, "vtkOverlappingAMR: no levels");
   std::copy_n(amr->GetOrigin(), 3, out.origin.begin());
+  out.dimensions = amr->GetGridDescription() == VTK_XY_PLANE ? 2 : 3;
   std::array<double, 3> coarse{}, fine{};
   amr->GetSpacing(0, out.spacing.data());
   coarse = out.spacing;
   for (int l = 1; l < out.count; ++l) {
     amr->GetSpacing(static_cast<unsigned int>(l), fine.data());
     const int ratio = ratio_of(coarse[0], fine[0]);
-    for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t a = 0; a < std::size_t(out.dimensions); ++a)
       if (ratio == 0 || ratio_of(coarse[a], fine[a]) != ratio)
         unsupported("vtkOverlappingAMR: spacing " + std::to_string(fine[a]) + " of level " +
                     std::to_string(l) + " along axis " + std::to_string(a) + ", under " +
@@ -110,12 +111,17 @@ AdaptivePatch patch_of(vtkOverlappingAMR* amr, unsigned int level, unsigned int 
   p.grid->GetDimensions(points);
   for (int a = 0; a < 3; ++a) {
     const auto at = static_cast<std::size_t>(a);
+    if (a == out.levels.dimensions) { // one cell thick
+      p.cells[at] = p.grid_cells[at] = 1;
+      continue;
+    }
     p.lower[at] = box.GetLoCorner()[a];
     p.cells[at] = std::int64_t(box.GetHiCorner()[a]) - box.GetLoCorner()[a] + 1;
     p.grid_cells[at] = points[a] - 1;
     if (p.grid_cells[at] < 1)
-      unsupported(name + ": flat along axis " + std::to_string(a) + "; grids of three dimensions " +
-                  "are supported");
+      unsupported(name + ": flat along axis " + std::to_string(a) +
+                  "; grids of three dimensions, " +
+                  "and of two in the plane of x and y, are supported");
     if (p.cells[at] != p.grid_cells[at])
       throw Error(INSITU_ERROR_ARGUMENT, name + ": " + std::to_string(p.grid_cells[at]) +
                                              " cells along axis " + std::to_string(a) +
@@ -166,7 +172,7 @@ private:
   void place(vtkIdType tree, const unsigned int (&at)[3]) {
     double origin[3], size[3];
     grid_->GetLevelZeroOriginAndSizeFromIndex(tree, origin, size);
-    for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t a = 0; a < std::size_t(out_.levels.dimensions); ++a) {
       if (first_) {
         out_.levels.spacing[a] = size[a];
         out_.levels.origin[a] = origin[a] - at[a] * size[a];
@@ -190,7 +196,7 @@ private:
       add(at, level);
       return;
     }
-    for (unsigned char c = 0; c < 8; ++c) {
+    for (unsigned char c = 0; c < 1 << out_.levels.dimensions; ++c) {
       cursor_->ToChild(c);
       descend({2 * at[0] + (c & 1), 2 * at[1] + (c >> 1 & 1), 2 * at[2] + (c >> 2)}, level + 1);
       cursor_->ToParent();
@@ -217,11 +223,16 @@ private:
 };
 
 AdaptiveCells cells_of(vtkHyperTreeGrid* grid) {
-  if (grid->GetDimension() != 3 || grid->GetBranchFactor() != 2)
-    unsupported("vtkHyperTreeGrid: " + std::to_string(grid->GetDimension()) +
-                " dimensions, branch factor " + std::to_string(grid->GetBranchFactor()) +
-                "; octrees, 3 and 2, are supported");
+  const int dimensions = static_cast<int>(grid->GetDimension());
+  const bool lies = dimensions == 2 && grid->GetOrientation() == 2; // across z
+  if ((dimensions != 3 && !lies) || grid->GetBranchFactor() != 2)
+    unsupported("vtkHyperTreeGrid: " + std::to_string(dimensions) + " dimensions, orientation " +
+                std::to_string(grid->GetOrientation()) + ", branch factor " +
+                std::to_string(grid->GetBranchFactor()) +
+                "; octrees, and quadtrees in the plane of x and y, of branch factor 2 are "
+                "supported");
   AdaptiveCells out;
+  out.levels.dimensions = dimensions;
   out.are_leaves = true;
   TreeWalk walk(grid, out);
   vtkHyperTreeGrid::vtkHyperTreeGridIterator trees;
@@ -252,9 +263,9 @@ bool same(const AdaptiveCells& a, const AdaptiveCells& b) {
     return p.level == q.level && p.lower == q.lower && p.cells == q.cells;
   };
   return a.levels.origin == b.levels.origin && a.levels.spacing == b.levels.spacing &&
-         a.levels.ratios == b.levels.ratios && a.levels.count == b.levels.count &&
-         a.are_leaves == b.are_leaves && a.leaves.levels == b.leaves.levels &&
-         a.leaves.corners == b.leaves.corners &&
+         a.levels.dimensions == b.levels.dimensions && a.levels.ratios == b.levels.ratios &&
+         a.levels.count == b.levels.count && a.are_leaves == b.are_leaves &&
+         a.leaves.levels == b.leaves.levels && a.leaves.corners == b.leaves.corners &&
          std::equal(a.patches.begin(), a.patches.end(), b.patches.begin(), b.patches.end(),
                     same_patch);
 }

@@ -146,6 +146,8 @@ private:
     amr.reconstruction = insitu_reconstruction(in_.one_in(16) ? in_.byte() : in_.below(2));
     if (in_.one_in(32))
       amr.size = in_.byte();
+    if (in_.one_in(4))
+      amr.dimensions = in_.one_in(16) ? std::int32_t(in_.byte()) : 2;
     adaptive_ |= check(insitu_mesh_amr(mesh_, &amr));
   }
 

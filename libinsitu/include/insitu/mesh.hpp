@@ -32,6 +32,7 @@ public:
     a.ratios = levels.ratios.empty() ? nullptr : levels.ratios.data();
     a.finest_first = levels.finest_first ? 1 : 0;
     a.reconstruction = static_cast<insitu_reconstruction>(levels.reconstruction);
+    a.dimensions = levels.dimensions;
     detail::check(insitu_mesh_amr(handle(), &a));
   }
   /** Returns what the last regrid of an adaptive mesh made. Throws INSITU_ERROR_ORDER before its

@@ -140,6 +140,7 @@ insitu_commit_report Session::commit(SessionMesh& to) {
     to.watch.expect_unchanged(said, context_.threads);
   if (runner_) {
     mesh.set_builder(runner_->locator().builder);
+    mesh.seam_tolerance = runner_->seam_tolerance();
     if (!to.locator_chosen)
       mesh.set_locator(runner_->locator().choice);
   }

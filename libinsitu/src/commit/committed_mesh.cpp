@@ -375,7 +375,7 @@ void CommittedMesh::describe(insitu_commit_report& report) const {
                                                                   : INSITU_BUILDER_MORTON;
   const mesh::MeshView& counted = is_copied() ? mesh_.own_view() : mesh_.view();
   report.cells = counted.own_cell_count();
-  report.vertices = mesh_.is_flat()
+  report.vertices = mesh_.is_flat() && !mesh_.is_adaptive()
                         ? mesh_.solver_vertex_count()
                         : counted.first_vertex[counted.piece_count - counted.halo_piece_count];
   report.bytes = locators_.info(tree_).bytes;

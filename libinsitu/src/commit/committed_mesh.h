@@ -58,6 +58,10 @@ public:
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
+  /// Faces of two processes that do not match to the bit are told if they lie within this of each
+  /// other, in the diameter of a face: 0 to SeamMismatches::most_tolerance, of which 0 tells none.
+  /// The same on all processes; counts from the next halo on that other cells ask for.
+  double seam_tolerance = 1e-6;
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild (of a mesh that is
   /// spread over processes once somebody asks the tree, or with its halo); geometry -> refit, or

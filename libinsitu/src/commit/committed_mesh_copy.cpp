@@ -8,6 +8,7 @@ namespace insitu::commit {
 void CommittedMesh::begin_copy(const CommittedMesh& of) {
   copied_ = &of;
   reference_frame = of.reference_frame;
+  seam_tolerance = of.seam_tolerance;
   mesh_.set_is_part(of.mesh_.adaptive().is_part);
   locators_.choose(of.locators_.choice());
   policy_ = of.policy_;

@@ -101,8 +101,11 @@ void CommittedMesh::update_leaf_halo(parallel::World& world, const core::Threads
   });
   halo_->find_leaves(mesh_, world, threads);
   mesh::Mesh none("", *memory_); // on a process that does not say where it would have leaves
+  std::int64_t is_nearest = mesh_.is_adaptive() && mesh_.reconstruction() == INSITU_NEAREST;
+  world.reduce(std::span(&is_nearest, 1), Reduction::greatest);
   world.agree_after([&] {
-    const insitu_amr amr = insitu_amr_default();
+    insitu_amr amr = insitu_amr_default();
+    amr.reconstruction = is_nearest != 0 ? INSITU_NEAREST : INSITU_DUAL;
     if (!mesh_.is_adaptive())
       none.set_amr(&amr);
     mesh_.set_halo(halo_.get());

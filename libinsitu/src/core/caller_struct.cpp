@@ -5,7 +5,7 @@
 #define ENDS_WITH(type, member)                                                                    \
   static_assert(offsetof(type, member) + sizeof(type::member) == sizeof(type))
 ENDS_WITH(insitu_advance_args, stream);
-ENDS_WITH(insitu_amr, reconstruction);
+ENDS_WITH(insitu_amr, reserved);
 ENDS_WITH(insitu_amr_info, by_places);
 ENDS_WITH(insitu_array, reserved);
 ENDS_WITH(insitu_audit_entry, reserved);

@@ -47,6 +47,8 @@ struct AmrPieceView {
                             : load_index(p, level_bytes == 4);
   }
   INSITU_HD std::int64_t raw_corner(std::int64_t cell, int axis) const {
+    if (!corner[axis]) // the third one of a flat mesh
+      return 0;
     const std::byte* p = corner[axis] + cell * corner_stride;
     if (corner_indirect)
       p = load_as<const std::byte*>(p) + corner_behind[axis];

@@ -79,6 +79,11 @@ struct MeshView {
   /// their third coordinate, and vectors have two components.
   bool is_flat = false;
   double plane = 0.0;
+  /// Of cells on the lattices of an adaptive mesh.
+  void set_plane(const Lattice& lattice) {
+    is_flat = lattice.is_flat != 0;
+    plane = lattice.plane;
+  }
 
   /// Whether a field's values are vectors, which turn with the axes: those of three components, and
   /// of a flat mesh those of two.

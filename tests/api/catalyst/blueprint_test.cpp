@@ -224,6 +224,48 @@ TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
   expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a half or a quarter a level", true);
 }
 
+/// The same in two dimensions.
+TEST_F(Blueprint, PatchesOfAFlatAdaptiveMesh) {
+  TestNode node;
+  std::vector<double> coarse, fine;
+  std::vector<std::int32_t> ghosts;
+  const auto put = [&](const std::string& name, int level, int cells, double origin, double spacing,
+                       std::vector<double>& values) {
+    for (int j = 0; j < cells; ++j)
+      for (int i = 0; i < cells; ++i)
+        values.push_back(level * 1000 + i + 10 * j);
+    for (std::size_t a = 0; a < 2; ++a) {
+      node.set(name + "coordsets/coords/dims/" + "ij"[a], cells + 1);
+      node.set(name + "coordsets/coords/origin/" + "xy"[a], origin);
+      node.set(name + "coordsets/coords/spacing/d" + "xy"[a], spacing);
+    }
+    node.set(name + "coordsets/coords/type", "uniform");
+    node.set(name + "topologies/topo/type", "uniform");
+    node.set(name + "topologies/topo/coordset", "coords").set(name + "state/level", level);
+    node.set(name + "fields/v/association", "element").set(name + "fields/v/values", values);
+  };
+  put("a/", 0, 4, 0.0, 1.0, coarse);
+  put("b/", 1, 6, 0.5, 0.5, fine); // from 1 to 3 without its layer
+  for (int c = 0; c < 36; ++c)
+    ghosts.push_back(c % 6 < 1 || c % 6 > 4 || c / 6 < 1 || c / 6 > 4);
+  node.set("b/fields/ascent_ghosts/association", "element");
+  node.set("b/fields/ascent_ghosts/values", ghosts);
+  expect_attached(node, true);
+  Mesh mesh = session_.mesh("mesh");
+  const std::vector<double> points = {0.5, 0.5, 7, 1.25, 1.25, 0, 2.75, 1.25, -3};
+  const Locations at = mesh.locate(points);
+  EXPECT_EQ(at.pieces, (std::vector<std::int32_t>{0, 1, 1}));
+  const Samples v = mesh.sample("v", points); // cells' centres
+  EXPECT_NEAR(v(0), 0, 1e-12);
+  EXPECT_NEAR(v(1), 1011, 1e-9);
+  EXPECT_NEAR(v(2), 1014, 1e-9);
+  EXPECT_EQ(mesh.amr_info().masked, 4);
+
+  node.set("b/coordsets/coords/dims/k", 2).set("b/coordsets/coords/origin/z", 0.0);
+  node.set("b/coordsets/coords/spacing/dz", 0.5);
+  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "has 3 dimensions, ", true);
+}
+
 TEST_F(Blueprint, WhatIsMissingIsNamedByItsPath) {
   Box box;
   expect_refused(hexahedra(box).remove("topologies/topo/coordset"), INSITU_ERROR_ARGUMENT,

@@ -13,6 +13,7 @@ program amr_test
   call patches()
   call ghosts()
   call leaves()
+  call quadtree()
   call session%close(ierr)
   call finish_checks()
 
@@ -145,5 +146,36 @@ contains
     call mesh%leaves(levels(1:7), columns(2:9, :), ierr, columns=.true.)
     call expect_error('numbers', session, ierr, insitu_error_argument, '7 levels, but 8 corners')
   end subroutine leaves
+
+  !> Leaves of two dimensions, of which the first of four is refined; a linear field between their centres.
+  subroutine quadtree()
+    type(insitu_mesh) :: mesh
+    integer(int8), target :: levels(7)
+    integer(int32), target :: corners(2, 7)
+    real(real64), target :: x(7)
+    real(real64) :: value(1)
+    logical :: found
+    integer(int32) :: i
+
+    levels = [0_int8, 0_int8, 0_int8, 1_int8, 1_int8, 1_int8, 1_int8]
+    corners(:, 1:3) = reshape([1, 0, 0, 1, 1, 1], [2, 3])
+    do i = 0, 3
+      corners(:, 4 + i) = [iand(i, 1), i / 2]
+    end do
+    do i = 1, 7
+      x(i) = (corners(1, i) + 0.5_real64) / 2.0_real64**levels(i)
+    end do
+    call session%mesh('quadtree', mesh, ierr)
+    call mesh%adaptive([0.0_real64, 0.0_real64, 5.0_real64], [1.0_real64, 1.0_real64, 1.0_real64], 2, ierr, &
+                       dimensions=2)
+    call expect_ok('adaptive of two dimensions', session, ierr)
+    call mesh%leaves(levels, corners, ierr)
+    call expect_ok('leaves of a quadtree', session, ierr)
+    call mesh%cell_field('x', x, ierr)
+    call mesh%commit(ierr)
+    call expect_ok('commit of a quadtree', session, ierr)
+    call mesh%sample_point('x', [0.9_real64, 0.8_real64, 7.0_real64], value, ierr, found)
+    call expect('the linear field', found .and. abs(value(1) - 0.9_real64) < 1e-14_real64)
+  end subroutine quadtree
 
 end program amr_test

@@ -163,7 +163,8 @@ int layout_of(int which, int64_t* out) {
   const int64_t amr[] = {sizeof(insitu_amr),           AT(insitu_amr, size),
                          AT(insitu_amr, origin),       AT(insitu_amr, spacing),
                          AT(insitu_amr, level_count),  AT(insitu_amr, ratios),
-                         AT(insitu_amr, finest_first), AT(insitu_amr, reconstruction)};
+                         AT(insitu_amr, finest_first), AT(insitu_amr, reconstruction),
+                         AT(insitu_amr, dimensions),   AT(insitu_amr, reserved)};
   const int64_t patch[] = {sizeof(insitu_patch),          AT(insitu_patch, size),
                            AT(insitu_patch, level),       AT(insitu_patch, lower),
                            AT(insitu_patch, cells),       AT(insitu_patch, ghosts_before),

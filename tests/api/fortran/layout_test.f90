@@ -118,7 +118,8 @@ program layout_test
       c_loc(info%settled_on_host)])
   call compare('amr', 13, c_sizeof(amr), [ &
       c_loc(amr%size), c_loc(amr%origin), c_loc(amr%spacing), c_loc(amr%level_count), &
-      c_loc(amr%ratios), c_loc(amr%finest_first), c_loc(amr%reconstruction)])
+      c_loc(amr%ratios), c_loc(amr%finest_first), c_loc(amr%reconstruction), &
+      c_loc(amr%dimensions), c_loc(amr%reserved)])
   call compare('patch', 14, c_sizeof(patch), [ &
       c_loc(patch%size), c_loc(patch%level), c_loc(patch%lower), c_loc(patch%cells), &
       c_loc(patch%ghosts_before), c_loc(patch%ghosts_after)])

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <insitu/p4est.h>
 #include <map>
+#include <p4est_extended.h>
 #include <p8est_extended.h>
 #include <string>
 #include <vector>
@@ -111,6 +112,57 @@ TEST_F(P4est, ABrickIsReadInPlace) {
   give();
   f.refine();
   give();
+}
+
+/// Read in place; each quadrant's centre has its value, at any height.
+TEST_F(P4est, AForestOfTwoDimensions) {
+  struct Numbers {
+    static void set(p4est_t* forest, p4est_topidx_t tree, p4est_quadrant_t* q) {
+      const double n = ++*static_cast<int*>(forest->user_pointer);
+      *static_cast<Record*>(q->p.user_data) = {float(tree), n, {1, 2, n}};
+    }
+    static int towards_origin(p4est_t*, p4est_topidx_t tree, p4est_quadrant_t* q) {
+      return tree == 0 && q->level < 4 && q->x == 0 && q->y == 0;
+    }
+  };
+  int count = 0;
+  p4est_connectivity_t* const c = p4est_connectivity_new_brick(2, 3, 1, 0);
+  p4est_t* const forest =
+      p4est_new_ext(sc_MPI_COMM_SELF, c, 0, 1, 1, sizeof(Record), Numbers::set, &count);
+  for (int step = 0; step < 2; ++step) {
+    ASSERT_EQ(insitu_p4est_flat_mesh(mesh, forest, nullptr, nullptr), INSITU_OK)
+        << insitu_p4est_message();
+    ASSERT_EQ(
+        insitu_p4est_flat_field(mesh, forest, "rho", INSITU_FLOAT64, offsetof(Record, rho), 1),
+        INSITU_OK)
+        << insitu_p4est_message();
+    ASSERT_EQ(insitu_mesh_commit(mesh, nullptr), INSITU_OK) << insitu_last_message();
+    EXPECT_EQ(audit().size(), 6u * 3u);
+    for (p4est_topidx_t t = 0; t < 6; ++t) {
+      const sc_array_t& quadrants = p4est_tree_array_index(forest->trees, t)->quadrants;
+      const p4est_topidx_t* const of = c->tree_to_vertex + 4 * t;
+      for (std::size_t i = 0; i < quadrants.elem_count; ++i) {
+        const p4est_quadrant_t& q = reinterpret_cast<const p4est_quadrant_t*>(quadrants.array)[i];
+        const double size = std::ldexp(1.0, -q.level), unit = std::ldexp(1.0, -P4EST_MAXLEVEL);
+        const double place[3] = {c->vertices[3 * of[0]] + unit * q.x + 0.5 * size,
+                                 c->vertices[3 * of[0] + 1] + unit * q.y + 0.5 * size, 7.0};
+        double value = 0;
+        std::int32_t found = 0;
+        ASSERT_EQ(insitu_mesh_sample_point(mesh, "rho", place, &value, &found), INSITU_OK);
+        EXPECT_EQ(found, 1);
+        EXPECT_NEAR(value, static_cast<const Record*>(q.p.user_data)->rho, 1e-11);
+      }
+    }
+    p4est_refine(forest, 0, Numbers::towards_origin, Numbers::set);
+  }
+  expect_refused(insitu_p4est_flat_field(mesh, forest, "rho", INSITU_FLOAT64, 0, 1),
+                 INSITU_ERROR_ORDER, "call insitu_p4est_flat_mesh first");
+  c->vertices[2] = 0.5;
+  expect_refused(insitu_p4est_flat_mesh(mesh, forest, nullptr, nullptr), INSITU_ERROR_UNSUPPORTED,
+                 "only bricks");
+  EXPECT_EQ(insitu_mesh_drop_pieces(mesh, 0), INSITU_OK);
+  p4est_destroy(forest);
+  p4est_connectivity_destroy(c);
 }
 
 TEST_F(P4est, OtherForestsAreRefusedByName) {

@@ -170,6 +170,47 @@ TEST_F(RecordFiles, LeavesBehindPointers) {
   });
 }
 
+/// Leaves of quadtrees, and a patch, in the plane of the scene's points.
+TEST_F(RecordFiles, AdaptiveMeshesOfTwoDimensions) {
+  same_again([&](insitu_session session, int step, Arrays& arrays) {
+    std::vector<std::int32_t> levels, corners;
+    for (int c = 0; c < 16; ++c)
+      if (c != (step < 2 ? 5 : 10)) {
+        levels.push_back(0);
+        corners.insert(corners.end(), {c % 4, c / 4});
+      } else {
+        for (int f = 0; f < 4; ++f) {
+          levels.push_back(1);
+          corners.insert(corners.end(), {2 * (c % 4) + f % 2, 2 * (c / 4) + f / 2});
+        }
+      }
+    const insitu_mesh mesh = mesh_of(session);
+    insitu_amr amr = insitu_amr_default();
+    amr.level_count = 2;
+    amr.dimensions = 2;
+    amr.spacing[0] = amr.spacing[1] = 0.25;
+    amr.origin[2] = 0.5;
+    check(insitu_mesh_amr(mesh, &amr));
+    insitu_leaves leaves = insitu_leaves_default();
+    leaves.levels = arrays.keep(levels);
+    leaves.corners = arrays.keep(corners, 2);
+    check(insitu_mesh_leaves(mesh, 0, &leaves));
+    insitu_patch patch = insitu_patch_default();
+    patch.level = 1;
+    patch.lower[0] = 8;
+    patch.cells[0] = 2;
+    patch.cells[1] = 8;
+    check(insitu_mesh_patch(mesh, 1, &patch));
+    for (const int piece : {0, 1})
+      for (const auto& [name, components] : {std::pair{"p", 1}, {"c", 1}, {"u", 2}}) {
+        std::vector<double> values((piece == 0 ? levels.size() : 16) * std::size_t(components));
+        for (std::size_t i = 0; i < values.size(); ++i)
+          values[i] = std::sin(0.3 * double(i) + step + piece);
+        give_field(mesh, name, INSITU_CELL, arrays.keep(values, components), piece);
+      }
+  });
+}
+
 TEST_F(RecordFiles, VtksReaderShowsCells) {
   const std::string file =
       record([](auto session, Arrays& arrays) { give_cubes(session, arrays); });

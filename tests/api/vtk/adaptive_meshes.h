@@ -62,10 +62,40 @@ inline vtkDoubleArray* values_of(vtkOverlappingAMR* amr, unsigned int level) {
   return vtkDoubleArray::SafeDownCast(amr->GetDataSet(level, 0)->GetCellData()->GetArray("f"));
 }
 
+/// The same of 4^2 cells in two dimensions.
+inline vtkSmartPointer<vtkOverlappingAMR> two_flat_levels() {
+  auto amr = vtkSmartPointer<vtkOverlappingAMR>::New();
+  const int blocks[] = {1, 1};
+  amr->Initialize(2, blocks);
+  amr->SetGridDescription(VTK_XY_PLANE);
+  const double origin[3] = {0, 0, 0};
+  amr->SetOrigin(origin);
+  for (unsigned int l = 0; l < 2; ++l) {
+    const double h = l == 0 ? 1.0 : 0.5;
+    const double spacing[3] = {h, h, h};
+    const int first = l == 0 ? 0 : 2;
+    auto grid = vtkSmartPointer<vtkUniformGrid>::New();
+    grid->SetDimensions(5, 5, 1);
+    grid->SetSpacing(h, h, h);
+    grid->SetOrigin(h * first, h * first, 0);
+    vtkNew<vtkDoubleArray> values;
+    values->SetName("f");
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i)
+        values->InsertNextValue(linear({h * (first + i + 0.5), h * (first + j + 0.5), 0}));
+    grid->GetCellData()->AddArray(values);
+    amr->SetSpacing(l, spacing);
+    const vtkAMRBox box(grid->GetOrigin(), grid->GetDimensions(), spacing, origin, VTK_XY_PLANE);
+    amr->SetAMRBox(l, 0, box);
+    amr->SetDataSet(l, 0, grid);
+  }
+  return amr;
+}
+
 /// Two trees side by side along x; the second is refined, and the first of its children again.
 struct Trees {
-  Trees() {
-    grid->SetDimensions(3, 2, 2);
+  explicit Trees(bool are_flat = false) {
+    grid->SetDimensions(3, 2, are_flat ? 1 : 2);
     grid->SetBranchFactor(2);
     vtkNew<vtkDoubleArray> x, y;
     for (const double c : {0.0, 1.0, 2.0})
@@ -74,7 +104,9 @@ struct Trees {
       y->InsertNextValue(c);
     grid->SetXCoordinates(x);
     grid->SetYCoordinates(y);
-    grid->SetZCoordinates(y);
+    vtkNew<vtkDoubleArray> z;
+    z->InsertNextValue(0.0);
+    grid->SetZCoordinates(are_flat ? z : y);
     vtkNew<vtkHyperTreeGridNonOrientedCursor> cursor;
     vtkIdType nodes = 0;
     for (vtkIdType tree = 0; tree < 2; ++tree) {

@@ -219,6 +219,27 @@ TEST_F(VtkAdaptive, MaskedLeavesAndGhostsAreHoles) {
   EXPECT_DOUBLE_EQ(at("f", {1.75, 0.25, 0.25}), 3.0);
 }
 
+/// Grids and trees of two dimensions; the third coordinate is of no account.
+TEST_F(VtkAdaptive, InTwoDimensions) {
+  const auto amr = two_flat_levels();
+  const auto of_grids = insitu::vtk::attach_adaptive(mesh, amr);
+  mesh.commit();
+  EXPECT_EQ(mesh.amr_info().masked, 4);
+  for (const double z : {0.0, -3.0, 1e3}) {
+    EXPECT_NEAR(at("f", {0.9, 2.2, z}), linear({0.9, 2.2, 0}), 1e-13);
+    EXPECT_NEAR(at("f", {2.1, 1.4, z}), linear({2.1, 1.4, 0}), 1e-13);
+  }
+  Trees trees(true);
+  insitu::Mesh other = session.mesh("trees");
+  const auto of_trees = insitu::vtk::attach_adaptive(other, trees.grid);
+  other.commit();
+  // Nodes: 0, the first tree; 1, the second's root; its children 2 to 5; those of the first, 6 on.
+  const std::vector<double> points{0.5, 0.5, 9, 1.75, 0.25, 0, 1.25, 0.75, 0, 1.375, 0.125, 0};
+  const insitu::Samples f = other.sample("f", points);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(f.values[i], (std::array{0.0, 3.0, 4.0, 7.0})[i], 1e-13);
+}
+
 TEST_F(VtkAdaptive, WhatIsNotSupportedIsRefusedByName) {
   const auto refused = [&](vtkDataObject* data, insitu_status status, const char* words) {
     expect_refused(status, words, [&] { (void)insitu::vtk::attach_adaptive(mesh, data); });

@@ -57,6 +57,10 @@ public:
       amr_.origin[a] = whole.lattice.origin[a];
       amr_.spacing[a] = whole.lattice.spacing[a];
     }
+    if (whole.lattice.is_flat != 0) {
+      amr_.dimensions = 2;
+      amr_.origin[2] = whole.lattice.plane;
+    }
     amr_.level_count = std::int32_t(whole.depth_of.size());
     for (std::size_t l = 1; l < whole.depth_of.size(); ++l)
       ratios_.push_back(1 << (whole.depth_of[l] - whole.depth_of[l - 1]));

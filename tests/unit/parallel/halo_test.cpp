@@ -2,7 +2,6 @@
 #include <map>
 #include <set>
 
-#include "commit/halo/seam_faces.h"
 #include "process_of_whole.h"
 
 using namespace insitu;
@@ -203,39 +202,4 @@ TEST(Halo, TheTreeIsBuiltOnceWithIt) {
         EXPECT_EQ(again[i].parametric, truth[i].parametric) << partition.name << ", point " << i;
       }
     });
-}
-
-/// Vertices of one process that are a unit in the last place off: its faces are counted, those of
-/// others too, and both cells are named.
-TEST(Halo, FacesThatDoNotMatchToTheBitAreCounted) {
-  const test::TestMesh whole = mesh_of(6, 0.0); // 4 x 4 x 4 cubes
-  const fixtures::Partition partition = fixtures::slabs(whole, 2);
-  test::run_processes(2, [&](parallel::World& world) {
-    for (const bool off : {false, true}) {
-      core::Memory memory;
-      const core::Threads threads(1);
-      std::vector<std::string> said;
-      const core::Log log{INSITU_LOG_WARNING,
-                          [](insitu_log_level, const char* text, void* to) {
-                            static_cast<std::vector<std::string>*>(to)->push_back(text);
-                          },
-                          &said};
-      commit::CommittedMesh mesh("part", memory);
-      fixtures::Part part(whole, partition, world.rank());
-      part.give(mesh.mesh(), true);
-      std::vector<Vec3d> moved = whole.vertices;
-      if (off && world.rank() == 1)
-        for (Vec3d& x : moved)
-          x.y = std::nextafter(x.y, 9.0);
-      part.move(mesh.mesh(), moved);
-      mesh.commit(threads, log, memory, false);
-      mesh.update_halo(world, threads, log);
-      const commit::SeamMismatches found = commit::find_seam_mismatches(mesh);
-      EXPECT_EQ(found.count, off ? 16 : 0) << "process " << world.rank();
-      EXPECT_EQ(found.own.rank + found.other.rank, off ? 1 : -2);
-      ASSERT_EQ(said.size(), off && world.is_root() ? 1u : 0u);
-      for (const std::string& text : said)
-        EXPECT_NE(text.find("mesh 'part': 32 faces on seams"), std::string::npos) << text;
-    }
-  });
 }

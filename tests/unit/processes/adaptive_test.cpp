@@ -1,68 +1,11 @@
 /// Scenes of adaptive meshes over processes: their files are those of one process, to the byte.
-#include "part_session.h"
+#include "amr_session.h"
 #include "shown_again.h"
-#include "unit/parallel/amr_part.h"
 
 using namespace insitu;
 using namespace insitu::test;
 
 namespace {
-
-/// One process of a solver with leaves or patches.
-class AmrSession {
-public:
-  AmrSession(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
-             const Deal& deal, const std::string& scene, const std::string& folder)
-      : session_(options_of(scene, folder, this),
-                 std::shared_ptr<parallel::World>(&world, [](auto*) {})) {
-    session_.open(options_of(scene, folder, this));
-    give(world, whole, how, deal);
-  }
-  /// The mesh, or another one.
-  void give(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
-            const Deal& deal) {
-    part_.emplace(whole, how, deal, world.rank());
-    part_->give(session_.mesh("m").mesh.mesh());
-  }
-  api::Session& session() { return session_; }
-  const std::vector<std::string>& messages() const { return messages_; }
-  std::string execute(std::int64_t cycle) {
-    part_->give_fields(session_.mesh("m").mesh.mesh(), 1.0 + 0.25 * double(cycle));
-    return session_.execute(cycle, 0.25 * double(cycle));
-  }
-
-private:
-  static insitu_session_options options_of(const std::string& scene, const std::string& folder,
-                                           AmrSession* told) {
-    insitu_session_options o = insitu_session_options_default();
-    o.scene_text = scene.c_str();
-    o.output = folder.c_str();
-    o.threads = 1;
-    o.log = [](insitu_log_level, const char* message, void* user) {
-      static_cast<AmrSession*>(user)->messages_.push_back(message);
-    };
-    o.log_user = told;
-    return o;
-  }
-
-  std::vector<std::string> messages_;
-  std::optional<AmrPart> part_;
-  api::Session session_;
-};
-
-std::map<std::string, std::string> run_amr(const AmrMesh& whole, insitu_reconstruction how,
-                                           int processes, const Deal& deal,
-                                           const std::string& scene) {
-  const OwnFolder folder;
-  const std::string out = folder / "out";
-  run_processes(processes, [&](parallel::World& world) {
-    AmrSession process(world, whole, how, deal, scene, out);
-    for (int cycle = 0; cycle < 3; ++cycle)
-      EXPECT_EQ(process.execute(cycle), "");
-    EXPECT_EQ(process.session().finish(), "");
-  });
-  return files_of(out);
-}
 
 /// A block of 4 x 4 x 4 cells, of which some are refined, once or twice, with holes: places from 0
 /// to 4. Leaves in Morton order, or patches.
@@ -101,18 +44,6 @@ AmrMesh patches() {
   mesh.add_patch(1, {4, 2, 2}, {2, 4, 4});
   mesh.add_patch(2, {6, 6, 6}, {4, 4, 4});
   return mesh;
-}
-
-Deal deal_of(int kind, int processes) {
-  return [=](std::size_t number, const math::Vec3d& x) {
-    if (kind == 0) // slabs
-      return std::min(processes - 1, int(x.x / 4.0 * processes));
-    if (kind == 1) // boxes
-      return (int(x.x / 2.0) + 2 * int(x.y / 2.0) + 4 * int(x.z / 2.0)) % processes;
-    if (kind == 2 && processes > 1) // none at the root
-      return 1 + int(number) % (processes - 1);
-    return int(core::random_unit(3, number, 0) * processes);
-  };
 }
 
 void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t files) {

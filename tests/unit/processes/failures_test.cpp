@@ -183,3 +183,25 @@ TEST(ProcessFailures, NothingIsNoFailure) {
   EXPECT_NE(table.find("\n1,1,0,"), std::string::npos) << table;
   EXPECT_EQ(table.substr(table.size() - 3), ",4\n") << table;
 }
+
+/// A gap of 1e-4 of a cell between two processes: told by the scene's tolerance alone, and once.
+TEST(ProcessFailures, AGapAtASeamIsToldByTheScenesTolerance) {
+  const std::string tracer = "tracers: [{name: t, velocity: u, seeds: [[0.5, 0.5, 0.5]]}]\n";
+  for (const std::string tolerance : {"", "seam_tolerance: 0\n", "seam_tolerance: 1e-3\n"})
+    run(tolerance + tracer, [&](PartSession& process, parallel::World& world) {
+      std::vector<Vec3d> moved = jittered_cubes(3).vertices;
+      for (Vec3d& x : moved)
+        x += 1e-4 * world.rank() * Vec3d{1, 1, 1};
+      process.part().move(process.mesh().mesh(), moved);
+      EXPECT_EQ(process.execute(0), "");
+      EXPECT_EQ(process.execute(1), "");
+      const bool told = tolerance.find("1e-3") != std::string::npos && world.is_root();
+      ASSERT_EQ(process.messages().size(), told ? 1u : 0u);
+      if (!told)
+        return;
+      EXPECT_NE(process.messages()[0].find("faces on seams lie within 0.001 of their size "
+                                           "(seam_tolerance) of another process's face"),
+                std::string::npos)
+          << process.messages()[0];
+    });
+}

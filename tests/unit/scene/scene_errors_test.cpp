@@ -39,16 +39,23 @@ TEST(SceneErrors, Version) {
 }
 
 TEST(SceneErrors, Top) {
-  EXPECT_EQ(error_of("framse: []"),
-            "s.yaml:2: key 'framse' is unknown in the scene; did you mean "
-            "'frames'? (keys: insitu, output, page, locator, "
-            "checkpoint, record, hold, every, when, probes, tracers, frames)");
+  EXPECT_EQ(
+      error_of("framse: []"),
+      "s.yaml:2: key 'framse' is unknown in the scene; did you mean "
+      "'frames'? (keys: insitu, output, page, "
+      "locator, seam_tolerance, checkpoint, record, hold, every, when, probes, tracers, frames)");
   EXPECT_HAS(error_of("output:"), "output: a text expected, nothing found");
   EXPECT_HAS(error_of("every: -1"), "every: an integer from 1 to 1000000000 expected, '-1' found");
   EXPECT_HAS(error_of("every: 1.5"), "'1.5' found");
   EXPECT_HAS(error_of("every: 99999999999999999999"), "'99999999999999999999' found");
   EXPECT_HAS(error_of("every: [1]"), "a list of 1 found");
   EXPECT_HAS(error_of("every: {a: 1}"), "a map found");
+  EXPECT_EQ(error_of("seam_tolerance: 0.2"),
+            "s.yaml:2: seam_tolerance: a number from 0 to 0.1 expected, '0.2' found");
+  EXPECT_HAS(error_of("seam_tolerance: -1e-6"), "'-1e-6' found");
+  EXPECT_HAS(error_of("seam_tolerance: nan"), "'nan' found");
+  EXPECT_HAS(error_of("seam_tolerance: none"), "seam_tolerance: a number from 0 to 0.1");
+  EXPECT_HAS(error_of("seams_tolerance: 0"), "did you mean 'seam_tolerance'?");
   EXPECT_HAS(error_of("frames: 3"), "frames: a list expected, '3' found");
   EXPECT_HAS(error_of("probes:"), "probes: a list expected, nothing found");
   EXPECT_HAS(error_of("tracers: [3]"), "tracers[0]: a map of name, mesh, seeds");

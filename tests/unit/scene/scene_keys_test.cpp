@@ -267,6 +267,9 @@ TEST(SceneKeys, TracerKeys) {
   EXPECT_EQ(parse("checkpoint: {every: 5, keep: 1}\n").checkpoint.keep, 1);
   EXPECT_FALSE(parse("every: 2\n").record.every);
   EXPECT_EQ(parse("record: {every: 7}\n").record.every, 7);
+  EXPECT_EQ(parse("every: 2\n").seam_tolerance, 1e-6);
+  EXPECT_EQ(parse("seam_tolerance: 0\n").seam_tolerance, 0.0);
+  EXPECT_EQ(parse("seam_tolerance: 1e-3\n").seam_tolerance, 1e-3);
   EXPECT_EQ(parse("every: 2\n").held_steps, 0);
   EXPECT_EQ(parse("hold: {steps: 3}\n").held_steps, 3);
   const SceneDescription seeded =

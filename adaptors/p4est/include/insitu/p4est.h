@@ -1,6 +1,7 @@
 /** @file p4est.h
- *  A p8est forest becomes an adaptive mesh: its local trees are the mesh's pieces, in order, and
- *  its quadrants the leaves, which the library reads in place. C99.
+ *  A p8est forest, or a p4est forest of two dimensions, becomes an adaptive mesh: its local trees
+ * are the mesh's pieces, in order, and its quadrants the leaves, which the library reads in place.
+ * C99.
  *
  *  The adaptor supports a brick: trees that are equal boxes along the axes, side by side without
  *  rotation, as p8est_connectivity_new_brick and _new_unitcube make (periodic or not, with holes,
@@ -14,6 +15,7 @@
 #ifndef INSITU_P4EST_H
 #define INSITU_P4EST_H
 
+#include <p4est.h>
 #include <p8est.h>
 
 #include "insitu/insitu.h"
@@ -51,6 +53,20 @@ INSITU_P4EST_API insitu_status insitu_p4est_mesh_as(insitu_mesh mesh, p8est_t* f
 INSITU_P4EST_API insitu_status insitu_p4est_field(insitu_mesh mesh, p8est_t* forest,
                                                   const char* name, insitu_type type, size_t offset,
                                                   int32_t components);
+
+/** Do the same with a forest of two dimensions, which becomes a flat mesh (insitu_amr, dimensions).
+ *  origin[2] is its plane, tree_size[2] is of no account; where both are null, the plane is that of
+ *  the connectivity's vertices, whose third coordinates are one. */
+INSITU_P4EST_API insitu_status insitu_p4est_flat_mesh(insitu_mesh mesh, p4est_t* forest,
+                                                      const double origin[3],
+                                                      const double tree_size[3]);
+INSITU_P4EST_API insitu_status insitu_p4est_flat_mesh_as(insitu_mesh mesh, p4est_t* forest,
+                                                         const double origin[3],
+                                                         const double tree_size[3],
+                                                         insitu_reconstruction reconstruction);
+INSITU_P4EST_API insitu_status insitu_p4est_flat_field(insitu_mesh mesh, p4est_t* forest,
+                                                       const char* name, insitu_type type,
+                                                       size_t offset, int32_t components);
 
 /** Returns the message of the calling thread's last failed call of a function above, or "" if none
  *  failed. The text stays valid until the thread's next such call. */

@@ -128,6 +128,7 @@ void DualMesh::State::make_view() {
   view.first_cell = first_cell;
   view.first_vertex = first_vertex;
   view.piece_count = 2;
+  view.set_plane(map.lattice());
 }
 
 bool gridlets_pay(const DualCounts& counts) {
@@ -186,9 +187,10 @@ void turn_cubes_into_cells(std::vector<DualPart>& parts, bool with_places,
   });
 }
 
-/// Of all processes, each cell where the leaf of its first vertex is.
-DualCounts count_once(const DualParts& dual, const SharedLeaves& shared) {
-  std::int64_t counts[2] = {0, 0}; // cubes, others
+/// Whether gridlets pay on all processes, of which some may have no leaves; each cell is counted
+/// where the leaf of its first vertex is. Of flat meshes no cell has eight leaves.
+bool gridlets_pay_everywhere(const DualParts& dual, const SharedLeaves& shared) {
+  std::int64_t counts[3] = {0, 0, shared.mesh.lattice.is_flat}; // cubes, others, flat meshes
   const std::int64_t own = shared.mesh.own_cell_count();
   const auto real = [&](std::uint32_t leaf) {
     const std::int64_t n = std::int64_t(leaf) - dual.made.first;
@@ -214,7 +216,7 @@ DualCounts count_once(const DualParts& dual, const SharedLeaves& shared) {
   DualCounts all;
   all.cubes = counts[0];
   all.hexahedra = counts[1];
-  return all;
+  return counts[2] == 0 && gridlets_pay(all);
 }
 
 } // namespace
@@ -257,9 +259,12 @@ void DualMesh::build(const mesh::AmrView& mesh, const core::Threads& threads, Cu
     DualParts dual =
         make_dual_parts(s.map.store(), s.map.lattice(), s.first_virtual, s.memory, threads, shared);
     amr::agree_after(shared, [&] { count_cells(dual.parts, s.counts); });
-    s.has_gridlets = cubes == Cubes::counts
-                         ? gridlets_pay(shared ? count_once(dual, *shared) : s.counts)
-                         : cubes == Cubes::gridlets;
+    if (cubes != Cubes::counts)
+      s.has_gridlets = cubes == Cubes::gridlets;
+    else if (shared)
+      s.has_gridlets = gridlets_pay_everywhere(dual, *shared);
+    else
+      s.has_gridlets = mesh.lattice.is_flat == 0 && gridlets_pay(s.counts);
     if (shared && s.has_gridlets)
       make_gridlets_whole(dual.parts, s.map.store(), dual.made, *shared);
     amr::agree_after(shared, [&] { s.finish(dual, mesh, shared != nullptr, threads); });

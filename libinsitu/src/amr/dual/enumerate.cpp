@@ -123,8 +123,11 @@ void enumerate(const BrickStore& store, const mesh::Lattice& lattice,
     const auto is_wanted = [&] { return !only_unfolded || part.folded == 0; };
     if (is_wanted()) // before corners: they note coarser leaves in the entries
       add_gridlet(around, real.end, part);
+    const auto counts = [&](int k) { // of a flat mesh the corners below its cells
+      return lattice.is_flat == 0 || around.lower(2) + k + 1 == 0;
+    };
     for (int k = 0; k < 9; ++k)
-      for (int j = 0; j < 9; ++j)
+      for (int j = 0; j < 9 && counts(k); ++j)
         for (unsigned row = around.mixed(j, k); row != 0; row &= row - 1) {
           if (!around.take(store, std::countr_zero(row), j, k, corner))
             continue;

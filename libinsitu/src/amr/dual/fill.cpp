@@ -92,18 +92,18 @@ void for_entries(BrickStore& store, const mesh::AmrView& mesh, std::int64_t begi
                         " on another in all");
 }
 
-/// How a place of a depth is covered by the eight of the next.
+/// How a place of a depth is covered by the eight of the next, or by the first four of them.
 enum class Cover { none, in_part, full };
 
-Cover cover_of(const std::uint32_t* fine) {
+Cover cover_of(const std::uint32_t* fine, int count) {
   int covered = 0;
   bool any = false;
-  for (int o = 0; o < 8; ++o) {
+  for (int o = 0; o < count; ++o) {
     const std::uint32_t e = fine[(o & 1) | (o & 2) << 2 | (o & 4) << 4];
     covered += BrickStore::is_leaf(e) || e == BrickStore::refined;
     any |= e != BrickStore::nothing;
   }
-  return covered == 8 ? Cover::full : any ? Cover::in_part : Cover::none;
+  return covered == count ? Cover::full : any ? Cover::in_part : Cover::none;
 }
 
 void keep_least(std::atomic<std::int64_t>& least, std::int64_t value) {
@@ -134,6 +134,7 @@ std::int64_t mark_refined(BrickStore& store, const mesh::AmrView& mesh,
                           const core::Threads& threads) {
   std::atomic<std::int64_t> masked{0}, least{INT64_MAX};
   const std::int64_t own = mesh.own_cell_count();
+  const int children = mesh.lattice.is_flat != 0 ? 4 : 8;
   for (std::int64_t flat = 0; mesh.covered && flat < own; ++flat)
     masked += mesh.is_covered(flat);
   for (int d = store.depth_count() - 1; d > 0; --d) {
@@ -149,7 +150,7 @@ std::int64_t mark_refined(BrickStore& store, const mesh::AmrView& mesh,
                                     4 * ((key.x & 1) + 8 * (key.y & 1) + 64 * (key.z & 1));
             for (int n = 0; n < 64; ++n) {
               const int i = n & 3, j = n >> 2 & 3, k = n >> 4;
-              const Cover cover = cover_of(fine + 2 * (i + 8 * j + 64 * k));
+              const Cover cover = cover_of(fine + 2 * (i + 8 * j + 64 * k), children);
               if (cover == Cover::none)
                 continue;
               std::uint32_t& entry = coarse[i + 8 * j + 64 * k];

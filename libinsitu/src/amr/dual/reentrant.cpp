@@ -57,7 +57,7 @@ private:
       if (moved >> a & 1)
         v.key.moves += weight[a] * (to >> a & 1 ? 2 : 1);
       const std::int64_t place = halves(corner_.cell(octant, a) >> up, v.key.moves, a);
-      v.x[a] = double((place << up) - 2 * corner_.index[a]);
+      v.x[a] = double((place << (is_flat_along(a) ? 0 : up)) - 2 * corner_.index[a]);
     }
     return v;
   }
@@ -73,6 +73,9 @@ private:
     if (p.count >= 3)
       polygons_.push_back(p);
   }
+
+  /// Whether cells of all depths are as wide along an axis.
+  bool is_flat_along(int axis) const { return axis == 2 && lattice_.is_flat != 0; }
 
   static bool at_corner(const Vertex& v) { return v.x == Vec3d{0, 0, 0}; }
 
@@ -225,6 +228,10 @@ private:
                                                place;
     Vec3d x = {0, 0, 0};
     x[axis] = place * double(1 << finest) - 2.0 * double(corner_.index[axis]);
+    if (is_flat_along(axis)) { // all centres are in one plane
+      mean.x[axis] = lattice_.centre(axis, corner_.depth, 0);
+      x[axis] = 1.0;
+    }
     return add(mean, x);
   }
 

@@ -50,8 +50,8 @@ void invert(const double (&matrix)[3][3], double (&inverse)[3][3]) {
 
 LeafGradient::LeafGradient(const BrickStore& store, const mesh::AmrView& mesh, std::uint32_t id,
                            const mesh::AmrCell& leaf)
-    : id_(id), leaf_(leaf) {
-  for (int a = 0; a < 3; ++a)
+    : id_(id), leaf_(leaf), axes_(mesh.lattice.is_flat != 0 ? 2 : 3) {
+  for (int a = 0; a < axes_; ++a)
     for (int side = 0; side < 2; ++side)
       across(store, mesh, a, side);
 }
@@ -61,7 +61,7 @@ void LeafGradient::add(std::uint32_t id, std::uint8_t ghost, int depth, const st
   n.id = id;
   n.ghost = ghost;
   const double size = std::ldexp(1.0, leaf_.depth - depth);
-  for (int a = 0; a < 3; ++a)
+  for (int a = 0; a < axes_; ++a)
     n.offset[a] = (double(index[a]) + 0.5) * size - (double(leaf_.index[a]) + 0.5);
   n.weight = 1.0 / math::dot(n.offset, n.offset);
 }

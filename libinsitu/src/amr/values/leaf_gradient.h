@@ -58,6 +58,7 @@ private:
   mesh::AmrCell leaf_;
   Neighbor list_[most_terms];
   int count_ = 0;
+  int axes_ = 3; ///< of a flat mesh 2
   bool enclosed_ = true;
 };
 

@@ -258,6 +258,7 @@ void GatheredDual::set_views(const EarlierCells& from) {
     first_cell_[p + 1] = first_cell_[p] + pieces_[p].cell_count;
   }
   view_.piece_count = 2;
+  view_.set_plane(from.lattice);
   view_.free_of_folds = view_.covers_once = true;
 }
 

@@ -31,7 +31,8 @@ using PeriodicAxes = std::array<bool, 3>;
 /// The cells of other processes that touch this process's cells: copies of their vertices, global
 /// ids and fields, as pieces of the mesh behind the solver's own. They exist and do not own points,
 /// so a mesh with its halo has at its seams what the whole mesh has there. Cells touch here if
-/// their boxes do, rounded outwards to floats: more than needed, never less. What of a mesh is
+/// their boxes do, rounded outwards to floats and wider by the seam's tolerance: more than needed,
+/// never less. What of a mesh is
 /// borrowed here and lent to others stays the same until the cells of a process change. Over
 /// periodic sides cells touch, too, that would if one of them were a period further on, give or
 /// take a quarter of a cell, by which sides that move may come apart. On a mesh in longitude and

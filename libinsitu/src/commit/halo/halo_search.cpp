@@ -205,18 +205,19 @@ std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh&
   const mesh::MeshView& view = mesh.mesh().view();
   std::optional<OwnCells> own;
   std::vector<mesh::Box> boxes;
+  const StandIn* const stand_in = mesh.stand_in();
+  const query::ChartImage* const chart = stand_in ? stand_in->chart() : nullptr;
+  const SeamReach reach{mesh.seam_tolerance, chart ? &chart->units : nullptr};
   world.agree_after([&] {
     own.emplace(view, *memory_, threads);
-    boxes = own->boxes();
+    boxes = own->boxes(reach);
   });
   directory_.gather(boxes, world);
   std::optional<accel::Tree> tree;
-  const StandIn* const stand_in = mesh.stand_in();
   const auto processes = std::size_t(world.size());
   std::vector<std::vector<std::int64_t>> cells(processes);
   std::vector<std::vector<std::uint8_t>> wanted(processes); // of each other process's boxes
-  const std::vector<Shift> shifts =
-      shifts_over(sides, view, stand_in ? stand_in->chart() : nullptr, world);
+  const std::vector<Shift> shifts = shifts_over(sides, view, chart, world);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
@@ -228,7 +229,8 @@ std::vector<std::vector<std::int64_t>> Halo::touching_cells(const CommittedMesh&
                 (&shift == shifts.data() && !directory_.may_touch(world.rank(), r)))
               continue;
             for (const std::int64_t flat : near(view, *tree, directory_.boxes(r), shift)) {
-              const mesh::Box box = shift(box_of_cell(view, flat));
+              const mesh::Box cell = box_of_cell(view, flat);
+              const mesh::Box box = shift(reach.widened(cell, cell.size()));
               if (is_nothing(box))
                 continue;
               cells[std::size_t(r)].push_back(flat);

@@ -179,6 +179,7 @@ void LeafSearch::require_one_lattice() {
     t += ", spacing";
     for (const double x : l.spacing)
       t += " " + in_full(x);
+    t += l.is_flat != 0 ? ", of 2 dimensions" : "";
     return t + (mesh_.reconstruction() == INSITU_NEAREST ? ", nearest" : ", dual");
   };
   const std::string of_first = world_.broadcast(world_.rank() == first ? text() : "", int(first));

@@ -21,6 +21,13 @@ bool boxes_meet(const accel::Box& a, const accel::Box& b) {
   return yes;
 }
 
+std::array<float, 3> size_of(const accel::Box& box) {
+  std::array<float, 3> size;
+  for (std::size_t a = 0; a < 3; ++a)
+    size[a] = box.upper[a] - box.lower[a];
+  return size;
+}
+
 std::array<float, 3> middle_of(const accel::Box& box) {
   std::array<float, 3> middle;
   for (std::size_t a = 0; a < 3; ++a)
@@ -48,17 +55,30 @@ OwnCells::OwnCells(const mesh::MeshView& view, core::Memory& memory, const core:
                    });
   set_planes();
   const std::size_t chunks = (n + cells_a_task - 1) / cells_a_task;
-  std::vector<std::array<accel::Box, groups>> around(chunks);
+  struct Group {
+    accel::Box around;
+    std::array<float, 3> largest{};
+    void add(const Group& other) {
+      around.extend(other.around);
+      for (std::size_t a = 0; a < 3; ++a)
+        largest[a] = std::max(largest[a], other.largest[a]);
+    }
+  };
+  std::vector<std::array<Group, groups>> found(chunks);
   threads.parallel_for(std::int64_t(n), cells_a_task, [&](std::int64_t begin, std::int64_t end) {
-    std::array<accel::Box, groups>& of = around[std::size_t(begin / cells_a_task)];
+    std::array<Group, groups>& of = found[std::size_t(begin / cells_a_task)];
     for (auto i = std::size_t(begin); i < std::size_t(end); ++i) {
       group_[i] = std::uint8_t(group_of(boxes_[i]));
-      of[group_[i]].extend(boxes_[i]);
+      of[group_[i]].add({boxes_[i], size_of(boxes_[i])});
     }
   });
-  for (const auto& of : around)
-    for (std::size_t g = 0; g < groups; ++g)
-      around_[g].extend(of[g]);
+  for (std::size_t g = 0; g < groups; ++g) {
+    Group whole;
+    for (const auto& of : found)
+      whole.add(of[g]);
+    around_[g] = whole.around;
+    largest_[g] = whole.largest;
+  }
 }
 
 /// By the middles of some cells.
@@ -97,11 +117,12 @@ int OwnCells::group_of(const accel::Box& box) const {
   return at - groups;
 }
 
-std::vector<mesh::Box> OwnCells::boxes() const {
+std::vector<mesh::Box> OwnCells::boxes(const SeamReach& reach) const {
   std::vector<mesh::Box> boxes;
-  for (const accel::Box& around : around_)
-    if (around.lower[0] <= around.upper[0])
-      boxes.push_back(query::in_mesh(around, origin_));
+  for (std::size_t g = 0; g < groups; ++g)
+    if (around_[g].lower[0] <= around_[g].upper[0])
+      boxes.push_back(reach.widened(query::in_mesh(around_[g], origin_),
+                                    {largest_[g][0], largest_[g][1], largest_[g][2]}));
   return boxes;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "accel/tree/tree.h"
+#include "commit/halo/seam_reach.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/box.h"
@@ -22,8 +23,8 @@ public:
   OwnCells(const mesh::MeshView& view, core::Memory& memory, const core::Threads& threads);
 
   /// Boxes of groups of cells that lie together, in the mesh's coordinates, at most
-  /// query::Directory::most_boxes of them; they hold all cells.
-  std::vector<mesh::Box> boxes() const;
+  /// query::Directory::most_boxes of them; they hold all cells and what these reach.
+  std::vector<mesh::Box> boxes(const SeamReach& reach) const;
   /// A tree of the cells whose boxes meet one of these, and of no other one.
   accel::Tree tree_of_those_in(std::span<const mesh::Box> boxes,
                                const core::Threads& threads) const;
@@ -48,6 +49,7 @@ private:
   core::Buffer<std::uint8_t> group_;   ///< of each
   std::array<Plane, groups> planes_{}; ///< from 1 on
   std::array<accel::Box, groups> around_{};
+  std::array<std::array<float, 3>, groups> largest_{}; ///< of the sizes of the group's cells
 };
 
 } // namespace insitu::commit

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <unordered_map>
 
 #include "cells/kernels/faces.h"
 #include "commit/committed_mesh.h"
+#include "geo/chart.h"
 
 namespace insitu::commit {
 
@@ -15,29 +17,63 @@ using math::Vec3d;
 
 namespace {
 
+/// Where the vertices of a mesh are, whose coordinates may be longitudes and latitudes.
+class Places {
+public:
+  /// Of a mesh with a stand-in, or null.
+  explicit Places(const StandIn* stand_in)
+      : units_(stand_in && stand_in->chart() ? &stand_in->chart()->units : nullptr) {}
+
+  /// The same bits for what is whole turns apart, and at a pole.
+  Vec3d one(Vec3d x) const {
+    if (!units_)
+      return x;
+    if (std::abs(x.y) == units_->quarter())
+      x.x = 0.0;
+    x.x = std::remainder(x.x, units_->turn());
+    if (x.x == -0.5 * units_->turn())
+      x.x = -x.x;
+    return x;
+  }
+  /// In the solver's unit of length; from the centre of the Earth in metres.
+  Vec3d place(const Vec3d& x) const {
+    if (!units_)
+      return x;
+    const Vec3d normal = geo::normal_of(*units_, x);
+    const double across = geo::radii(normal.z).across, height = x.z * units_->up_per_unit();
+    return {(across + height) * normal.x, (across + height) * normal.y,
+            (across * (1 - geo::eccentricity_squared) + height) * normal.z};
+  }
+
+private:
+  const geo::ChartUnits* units_;
+};
+
 struct Face {
   int count = 0;
-  std::array<Vec3d, 4> x{}; ///< the vertices, in the order of their coordinates
-  std::int64_t cell = 0;    ///< flat
+  std::array<Vec3d, 4> x{};  ///< the vertices, in the order of their coordinates
+  std::array<Vec3d, 4> at{}; ///< where these are
+  std::int64_t cell = 0;     ///< flat
 
   bool is(const Face& b) const { return count == b.count && x == b.x; }
   Vec3d middle() const {
     Vec3d sum;
     for (int v = 0; v < count; ++v)
-      sum += x[std::size_t(v)];
+      sum += at[std::size_t(v)];
     return sum / double(count);
   }
   double diameter() const {
     double most = 0.0;
     for (int a = 0; a < count; ++a)
       for (int b = 0; b < a; ++b)
-        most = std::max(most, norm(x[std::size_t(a)] - x[std::size_t(b)]));
+        most = std::max(most, norm(at[std::size_t(a)] - at[std::size_t(b)]));
     return most;
   }
   static double norm(const Vec3d& d) { return std::sqrt(dot(d, d)); }
 };
 
-void add_faces(const mesh::MeshView& view, std::int64_t flat, std::vector<Face>& faces) {
+void add_faces(const mesh::MeshView& view, const Places& places, std::int64_t flat,
+               std::vector<Face>& faces) {
   mesh::CellVertices cell;
   mesh::gather(view, flat, cell);
   const cells::FaceTable table = cells::face_table(cell.shape);
@@ -46,7 +82,7 @@ void add_faces(const mesh::MeshView& view, std::int64_t flat, std::vector<Face>&
     face.count = table.faces[f].vertex_count;
     face.cell = flat;
     for (int v = 0; v < face.count; ++v) { // in its place among those before
-      const Vec3d x = cell.x[table.faces[f].vertices[v]];
+      const Vec3d x = places.one(cell.x[table.faces[f].vertices[v]]);
       std::size_t at = std::size_t(v);
       for (; at > 0 && std::tie(x.x, x.y, x.z) <
                            std::tie(face.x[at - 1].x, face.x[at - 1].y, face.x[at - 1].z);
@@ -54,6 +90,8 @@ void add_faces(const mesh::MeshView& view, std::int64_t flat, std::vector<Face>&
         face.x[at] = face.x[at - 1];
       face.x[at] = x;
     }
+    for (int v = 0; v < face.count; ++v)
+      face.at[std::size_t(v)] = places.place(face.x[std::size_t(v)]);
     faces.push_back(face);
   }
 }
@@ -91,20 +129,24 @@ void leave_unmatched(std::vector<Face>& faces) {
 }
 
 /// Whether every vertex of one face has one of the other nearby.
-bool are_near(const Face& a, const Face& b) {
-  const double within = SeamMismatches::tolerance * std::max(a.diameter(), b.diameter());
-  return a.count == b.count && std::all_of(a.x.begin(), a.x.begin() + a.count, [&](const Vec3d& x) {
-           return std::any_of(b.x.begin(), b.x.begin() + b.count,
-                              [&](const Vec3d& y) { return Face::norm(x - y) <= within; });
-         });
+bool are_near(const Face& a, const Face& b, double tolerance) {
+  if (a.count != b.count)
+    return false;
+  const double within = tolerance * std::max(a.diameter(), b.diameter());
+  return std::all_of(a.at.begin(), a.at.begin() + a.count, [&](const Vec3d& x) {
+    return std::any_of(b.at.begin(), b.at.begin() + b.count,
+                       [&](const Vec3d& y) { return Face::norm(x - y) <= within; });
+  });
 }
 
 /// Faces by where their middles lie, in cubes in most of which a face has all that are near.
 class FacesByPlace {
 public:
-  /// reach: the largest distance that counts.
-  FacesByPlace(std::span<const Face> faces, double reach)
-      : faces_(faces), reach_(2.0 * reach), width_(64.0 * reach) {
+  /// tolerance: in a face's diameter, of which `largest` is the largest one.
+  FacesByPlace(std::span<const Face> faces, double tolerance, double largest)
+      : faces_(faces), tolerance_(tolerance), reach_(2.0 * tolerance * largest),
+        width_(std::min(64.0 * tolerance, 1.0) * largest) {
+    static_assert(SeamMismatches::most_tolerance <= 0.25); // a reach to both sides is a width
     by_cube_.reserve(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f)
       by_cube_.emplace(key(cube(faces[f].middle())), f);
@@ -125,7 +167,8 @@ public:
         continue;
       const auto [from, to] = by_cube_.equal_range(key(at));
       for (auto i = from; i != to; ++i)
-        if (are_near(face, faces_[i->second]) && (!first || faces_[i->second].cell < first->cell))
+        if (are_near(face, faces_[i->second], tolerance_) &&
+            (!first || faces_[i->second].cell < first->cell))
           first = &faces_[i->second];
     }
     return first;
@@ -144,9 +187,14 @@ private:
   }
 
   std::span<const Face> faces_;
-  double reach_, width_;
+  double tolerance_, reach_, width_;
   std::unordered_multimap<std::size_t, std::size_t> by_cube_;
 };
+
+std::string told(double number) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, number).ptr};
+}
 
 std::string told(const CellName& cell) {
   return "process " + std::to_string(cell.rank) + ", piece " + std::to_string(cell.piece) +
@@ -157,14 +205,16 @@ std::string told(const CellName& cell) {
 
 SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
   SeamMismatches found;
+  found.tolerance = mesh.seam_tolerance;
   const mesh::MeshView& view = mesh.lent_view();
   const std::int64_t own_cells = view.own_cell_count();
-  if (view.halo_piece_count == 0 || !mesh.halo())
+  if (view.halo_piece_count == 0 || !mesh.halo() || found.tolerance == 0.0)
     return found;
+  const Places places(mesh.stand_in());
   std::vector<Face> faces;
   for (std::int64_t flat = 0; flat < view.cell_count(); ++flat)
     if (flat >= own_cells || mesh.halo()->is_at_seam(mesh.own_of_lent(flat)))
-      add_faces(view, flat, faces);
+      add_faces(view, places, flat, faces);
   leave_unmatched(faces);
   const auto others = std::stable_partition(faces.begin(), faces.end(),
                                             [&](const Face& f) { return f.cell < own_cells; });
@@ -173,7 +223,7 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
     largest = std::max(largest, face.diameter());
   if (largest == 0.0 || others == faces.begin() || others == faces.end())
     return found;
-  const FacesByPlace by_place(std::span(others, faces.end()), SeamMismatches::tolerance * largest);
+  const FacesByPlace by_place(std::span(others, faces.end()), found.tolerance, largest);
   for (const Face& face : std::span(faces.begin(), others))
     if (const Face* const other = by_place.near(face)) {
       const CellName own = mesh.name(mesh.own_of_lent(face.cell));
@@ -189,7 +239,7 @@ namespace {
 
 /// What all processes found: how many, the first pair, and what follows from that; empty: none.
 template <class Found>
-std::string count_of_all(const Found& found, const char* what, const char* so,
+std::string count_of_all(const Found& found, const std::string& what, const char* so,
                          parallel::World& world) {
   std::int64_t count = found.count;
   world.reduce(std::span(&count, 1), parallel::Reduction::sum);
@@ -205,8 +255,9 @@ std::string count_of_all(const Found& found, const char* what, const char* so,
 
 std::string describe(const SeamMismatches& found, parallel::World& world) {
   return count_of_all(found,
-                      " faces on seams lie within a millionth of their size of another process's "
-                      "face and do not match it to the bit",
+                      " faces on seams lie within " + told(found.tolerance) +
+                          " of their size (seam_tolerance) of another process's face and do not "
+                          "match it to the bit",
                       ": points between them have no owner, or one on each side", world);
 }
 

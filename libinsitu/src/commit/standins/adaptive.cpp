@@ -147,6 +147,8 @@ query::Location Adaptive::in_leaf(const amr::LeafMap::Leaf& leaf, const math::Ve
     const double high = lattice.place(a, leaf.cell.depth, 2 * leaf.cell.index[a] + 2);
     own.parametric[a] = (p[a] - low) / (high - low);
   }
+  if (lattice.is_flat != 0)
+    own.parametric.z = 0.5;
   return own;
 }
 

@@ -80,6 +80,7 @@ void LeavesCopy::set_views(const mesh::Lattice& lattice) {
   view_.first_cell = first_cell_.data();
   view_.first_vertex = first_vertex_.data();
   view_.piece_count = std::int32_t(count);
+  view_.set_plane(lattice);
 }
 
 } // namespace insitu::commit

@@ -51,11 +51,44 @@ void check_axis(const insitu_amr& amr, int axis, int finest, const std::string& 
 
 } // namespace
 
+math::Vec3d AmrLevels::given_origin() const {
+  return {lattice.origin[0], lattice.origin[1],
+          lattice.is_flat != 0 ? lattice.plane : lattice.origin[2]};
+}
+
+math::Vec3d AmrLevels::given_spacing() const {
+  return {lattice.spacing[0], lattice.spacing[1], lattice.is_flat != 0 ? 1.0 : lattice.spacing[2]};
+}
+
+FlatFacts AmrLevels::flat_facts() const {
+  FlatFacts facts;
+  if (lattice.is_flat == 0)
+    return facts;
+  facts.least = facts.greatest = lattice.plane;
+  const int power = std::ilogb(std::min(lattice.spacing[0], lattice.spacing[1]));
+  facts.lengths[std::size_t(std::clamp(FlatFacts::middle + power, 0, FlatFacts::powers - 1))] = 1;
+  return facts;
+}
+
 bool AmrLevels::same_cells(const AmrLevels& other) const {
-  return level_count == other.level_count && finest_first == other.finest_first &&
+  return level_count == other.level_count && dimensions() == other.dimensions() &&
+         lattice.plane == other.lattice.plane && finest_first == other.finest_first &&
          std::equal(lattice.origin, lattice.origin + 3, other.lattice.origin) &&
          std::equal(lattice.spacing, lattice.spacing + 3, other.lattice.spacing) &&
          std::equal(depth_of, depth_of + level_count, other.depth_of);
+}
+
+/// The cells that points are located in are as thick as other flat meshes' are: the dual's, which
+/// reach from the lower faces of the leaves to their centres, or the leaves.
+static void set_plane(double plane, const std::string& name, AmrLevels& levels) {
+  if (!std::isfinite(plane))
+    refuse(name, "origin along axis 2, the plane, is " + real_text(plane));
+  levels.lattice.is_flat = 1;
+  levels.lattice.plane = plane;
+  const FlatSlab slab = FlatSlab::of(levels.flat_facts());
+  levels.lattice.origin[2] = slab.low;
+  levels.lattice.spacing[2] =
+      (levels.reconstruction == INSITU_DUAL ? 2.0 : 1.0) * (slab.high - slab.low);
 }
 
 AmrLevels adopt_levels(const insitu_amr* given, const std::string& name) {
@@ -65,6 +98,8 @@ AmrLevels adopt_levels(const insitu_amr* given, const std::string& name) {
            text(amr->level_count) + " levels, 1 to " + text(INSITU_AMR_MOST_LEVELS) + " expected");
   if (amr->finest_first != 0 && amr->finest_first != 1)
     refuse(name, "finest_first " + text(amr->finest_first) + ", 0 or 1 expected");
+  if (amr->dimensions != 2 && amr->dimensions != 3)
+    refuse(name, "dimensions " + text(amr->dimensions) + ", 2 or 3 expected");
   if (amr->reconstruction != INSITU_DUAL && amr->reconstruction != INSITU_NEAREST)
     refuse(name, "unknown reconstruction " + text(int(amr->reconstruction)));
   AmrLevels out;
@@ -82,16 +117,24 @@ AmrLevels adopt_levels(const insitu_amr* given, const std::string& name) {
                        text(Lattice::most_depth));
     out.depth_of[l] = std::int8_t(depth);
   }
-  for (int a = 0; a < 3; ++a) {
+  const bool is_flat = amr->dimensions == 2;
+  for (int a = 0; a < (is_flat ? 2 : 3); ++a) {
     check_axis(*amr, a, out.depth_of[out.level_count - 1], name);
     out.lattice.origin[a] = amr->origin[a];
     out.lattice.spacing[a] = amr->spacing[a];
   }
+  if (is_flat)
+    set_plane(amr->origin[2], name, out);
   return out;
 }
 
-AmrPiece adopt_patch(const insitu_patch* given, const std::string& name) {
-  const insitu_patch copy = core::from_caller(given, name), *const patch = &copy;
+AmrPiece adopt_patch(const insitu_patch* given, bool is_flat, const std::string& name) {
+  insitu_patch copy = core::from_caller(given, name);
+  if (is_flat) {
+    copy.lower[2] = copy.ghosts_before[2] = copy.ghosts_after[2] = 0;
+    copy.cells[2] = 1;
+  }
+  const insitu_patch* const patch = &copy;
   double product = 1; // exact as far as it matters
   for (int a = 0; a < 3; ++a) {
     const std::int64_t n = patch->cells[a], lower = patch->lower[a];
@@ -117,7 +160,7 @@ AmrPiece adopt_patch(const insitu_patch* given, const std::string& name) {
   return out;
 }
 
-AmrPiece adopt_leaves(const insitu_leaves* given, const std::string& name) {
+AmrPiece adopt_leaves(const insitu_leaves* given, bool is_flat, const std::string& name) {
   const insitu_leaves copy = core::from_caller(given, name), *const leaves = &copy;
   AmrPiece out;
   out.kind = AmrPiece::Kind::leaves;
@@ -129,9 +172,10 @@ AmrPiece adopt_leaves(const insitu_leaves* given, const std::string& name) {
       refuse(name, std::string("levels: type ") + type_name(levels.type) +
                        ", uint8, int32 or int64 expected");
   require_integer(corners, name + ", corners");
-  if (levels.components != 1 || corners.components != 3)
+  if (levels.components != 1 || (corners.components != 3 && !(is_flat && corners.components == 2)))
     refuse(name, text(levels.components) + " components of levels and " + text(corners.components) +
-                     " of corners, 1 and 3 expected");
+                     " of corners, 1 and " + (is_flat ? "2" : "3") + " expected");
+  out.is_flat = is_flat;
   for (const ExternalArray* a : {&levels, &corners}) {
     const char* const what = a == &levels ? "levels" : "corners";
     if (a->memory != INSITU_HOST)
@@ -150,7 +194,7 @@ AmrPiece adopt_leaves(const insitu_leaves* given, const std::string& name) {
   out.corner_bits = leaves->corner_bits;
   for (int a = 0; a < 3; ++a) {
     constexpr std::int64_t most = std::int64_t(1) << 61; // sums with corners stay in 64 bits
-    out.offset[a] = leaves->offset[a];
+    out.offset[a] = is_flat && a == 2 ? 0 : leaves->offset[a];
     if (out.offset[a] < -most || out.offset[a] > most)
       refuse(name, "offset " + text(leaves->offset) + ", at most 2^61 expected");
   }
@@ -186,6 +230,8 @@ AmrPieceView view_of(const AmrPiece& piece, const AmrLevels& levels, const std::
   v.corner_depth = piece.corner_bits;
   v.corner_indirect = c.indirect;
   for (int a = 0; a < 3; ++a) {
+    if (piece.is_flat && a == 2)
+      continue;
     const std::int64_t step = a * c.component_stride;
     v.corner[a] = c.indirect || !c.data ? c.data : c.data + step;
     v.corner_behind[a] = c.offset + step;

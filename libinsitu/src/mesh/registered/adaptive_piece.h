@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "mesh/adaptive.h"
 #include "mesh/registered/external_array.h"
+#include "mesh/registered/flat_piece.h"
 
 namespace insitu::mesh {
 
@@ -16,6 +17,12 @@ struct AmrLevels {
   std::int8_t depth_of[AmrView::most_levels] = {0}; ///< of level l, 0 the coarsest
   insitu_reconstruction reconstruction = INSITU_DUAL;
 
+  /// As they were given: what is thick here of a flat mesh lies in its plane.
+  math::Vec3d given_origin() const;
+  math::Vec3d given_spacing() const;
+  int dimensions() const { return lattice.is_flat != 0 ? 2 : 3; }
+  /// What is known of a flat mesh of these levels, of whatever cells; of others nothing.
+  FlatFacts flat_facts() const;
   /// Of a level as the solver numbers it; it must be one of level_count.
   int depth(std::int64_t level) const {
     return depth_of[finest_first ? level_count - 1 - level : level];
@@ -34,10 +41,12 @@ struct AmrPiece {
   ExternalArray levels, corners; ///< of leaves
   int corner_bits = -1;
   std::int64_t offset[3] = {0, 0, 0};
+  bool is_flat = false; ///< leaves whose third coordinate is of no account
 };
 
-AmrPiece adopt_patch(const insitu_patch* patch, const std::string& name);
-AmrPiece adopt_leaves(const insitu_leaves* leaves, const std::string& name);
+/// is_flat: third numbers are of no account.
+AmrPiece adopt_patch(const insitu_patch* patch, bool is_flat, const std::string& name);
+AmrPiece adopt_leaves(const insitu_leaves* leaves, bool is_flat, const std::string& name);
 
 /// The piece on these levels. Throws core::Error if it is a patch that does not fit; leaves are
 /// checked by check_leaves.

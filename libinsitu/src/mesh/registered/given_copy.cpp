@@ -30,8 +30,8 @@ insitu_array within_layers(insitu_array array, const insitu_patch& patch) {
 void give_levels(const AmrLevels& levels, Mesh& to) {
   insitu_amr amr = insitu_amr_default();
   for (int a = 0; a < 3; ++a) {
-    amr.origin[a] = levels.lattice.origin[a];
-    amr.spacing[a] = levels.lattice.spacing[a];
+    amr.origin[a] = levels.given_origin()[a];
+    amr.spacing[a] = levels.given_spacing()[a];
   }
   std::vector<std::int32_t> ratios;
   for (int l = 1; l < levels.level_count; ++l)
@@ -40,6 +40,7 @@ void give_levels(const AmrLevels& levels, Mesh& to) {
   amr.ratios = ratios.empty() ? nullptr : ratios.data();
   amr.finest_first = levels.finest_first;
   amr.reconstruction = levels.reconstruction;
+  amr.dimensions = levels.dimensions();
   to.set_amr(&amr);
 }
 

@@ -40,6 +40,11 @@ void Mesh::set_amr(const insitu_amr* amr) {
                        : pieces_[p].has_points ? "points"
                                                : "ghosts") +
                       " already; the pieces of an adaptive mesh are patches or leaves alone");
+  if (amr_ && amr_->dimensions() != levels.dimensions() && !pieces_.empty())
+    throw Error(INSITU_ERROR_ORDER, name + ": dimensions " + std::to_string(levels.dimensions()) +
+                                        ", but the pieces were given with " +
+                                        std::to_string(amr_->dimensions()) +
+                                        "; drop them first (insitu_mesh_drop_pieces)");
   // Samples by another rule need no other structure.
   pending_ |= amr_ && amr_->same_cells(levels) ? INSITU_CHANGED_FIELDS : INSITU_CHANGED_ALL;
   amr_ = levels;
@@ -48,12 +53,14 @@ void Mesh::set_amr(const insitu_amr* amr) {
 void Mesh::set_patch(std::int32_t piece, const insitu_patch* patch) {
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(piece) + " patch";
   const AmrLevels& levels = levels_for(name);
-  const bool no_cells = patch && *std::min_element(patch->cells, patch->cells + 3) == 0;
+  const bool is_flat = levels.lattice.is_flat != 0;
+  const bool no_cells =
+      patch && *std::min_element(patch->cells, patch->cells + levels.dimensions()) == 0;
   AmrPiece adopted;
   if (no_cells)
     adopted.kind = AmrPiece::Kind::leaves; // none of them
   else
-    adopted = adopt_patch(patch, name);
+    adopted = adopt_patch(patch, is_flat, name);
   (void)view_of(adopted, levels, name); // throws if it does not fit
   piece_for(piece).amr = std::move(adopted);
   pending_ |= INSITU_CHANGED_ALL;
@@ -61,8 +68,7 @@ void Mesh::set_patch(std::int32_t piece, const insitu_patch* patch) {
 
 void Mesh::set_leaves(std::int32_t piece, const insitu_leaves* leaves) {
   const std::string name = "mesh '" + name_ + "', piece " + std::to_string(piece) + " leaves";
-  (void)levels_for(name);
-  AmrPiece adopted = adopt_leaves(leaves, name);
+  AmrPiece adopted = adopt_leaves(leaves, levels_for(name).lattice.is_flat != 0, name);
   piece_for(piece).amr = std::move(adopted);
   pending_ |= INSITU_CHANGED_ALL;
 }
@@ -139,6 +145,7 @@ void Mesh::update_adaptive(const core::Threads* threads) {
                         name_of(name_, p) + ", field '" + field->name + "': " + why);
 
   amr_view_.lattice = amr_->lattice;
+  flat_facts_ = amr_->flat_facts();
   amr_view_.level_count = amr_->level_count;
   amr_view_.finest_first = amr_->finest_first;
   std::copy(amr_->depth_of, amr_->depth_of + AmrView::most_levels, amr_view_.depth_of);

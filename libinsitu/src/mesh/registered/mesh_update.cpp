@@ -134,6 +134,8 @@ void Mesh::set_views() {
   view_.join_pieces = !separate_pieces_;
   view_.is_flat = has_flat_pieces_;
   view_.plane = has_flat_pieces_ ? slab_.plane : 0.0;
+  if (amr_)
+    view_.set_plane(amr_->lattice);
   hide_earlier(); // of cells that may be others by now, until they are shown again
 }
 

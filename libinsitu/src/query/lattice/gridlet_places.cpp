@@ -74,7 +74,7 @@ void GridletPlaces::set_steps(const mesh::Lattice& lattice) {
   for (int d = 0; d <= mesh::Lattice::most_depth; ++d)
     for (int a = 0; a < 3; ++a) {
       Steps& steps = steps_[d];
-      steps.half_cell[a] = lattice.width(a, d + 1);
+      steps.half_cell[a] = lattice.half_width(a, d);
       steps.a_unit[a] = (1.0 / lattice.spacing[a]) * double(std::int64_t(1) << d);
       steps.rounding[a] = 0x1p-49 * (farthest_[a] * steps.a_unit[a] + 16.0);
     }

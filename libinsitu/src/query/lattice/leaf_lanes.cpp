@@ -106,7 +106,7 @@ struct LanePlaces {
       all_clear = false;
       const Reals nearest = hn::Trunc(hn::Add(place[a], hn::Set(d, 0.5)));
       const Reals halves = hn::Add(bricks.first_half[a], hn::Add(nearest, nearest));
-      const double half = box.lattice.spacing[a] * mesh::Lattice::power(box.depth + 1);
+      const double half = box.lattice.half_width(a, box.depth);
       const Reals face =
           hn::Add(hn::Set(d, box.lattice.origin[a]), hn::Mul(hn::Set(d, half), halves));
       const Reals low = hn::Sub(nearest, hn::IfThenElseZero(hn::Le(p[a], face), one));

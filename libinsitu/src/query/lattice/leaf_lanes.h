@@ -20,10 +20,9 @@ struct BrickBox {
 
   /// Takes the brick of a depth whose leaf holds p, as far as rounding tells; else as take().
   bool take_at(int at_depth, const math::Vec3d& p, std::uint32_t& found) {
-    const double scale = double(std::int64_t(1) << at_depth);
     std::int64_t index[3];
     for (int a = 0; a < 3; ++a) {
-      const double steps = (p[a] - lattice.origin[a]) * (per_unit[a] * scale);
+      const double steps = (p[a] - lattice.origin[a]) * steps_of(a, at_depth);
       found = amr::BrickStore::nothing;
       if (!(std::fabs(steps) < double(2 * mesh::Lattice::largest_index)))
         return false;
@@ -61,15 +60,19 @@ struct BrickBox {
     first = first_id;
     entries = store.entries(brick);
     depth = at_depth;
-    const double scale = double(std::int64_t(1) << depth);
     for (int a = 0; a < 3; ++a) {
       first_half[a] = corner[a];
       start[a] = lattice.place(a, depth, first_half[a]);
-      steps_a_unit[a] = per_unit[a] * scale;
+      steps_a_unit[a] = steps_of(a, depth);
       // Some units in the last place of the coordinates, in steps.
       rounding[a] = 0x1p-49 * (std::fabs(start[a]) * steps_a_unit[a] + 16.0);
     }
     return true;
+  }
+
+  /// Cells of a depth in a unit.
+  double steps_of(int axis, int at_depth) const {
+    return per_unit[axis] * double(std::int64_t(1) << lattice.halvings(axis, at_depth));
   }
 
   static std::int64_t first_half_of(std::int64_t index) {

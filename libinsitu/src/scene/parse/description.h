@@ -227,6 +227,7 @@ struct SceneDescription {
   std::vector<std::string> warnings; ///< warnings of the parser, such as keys that were retired
   std::string output = "out";        ///< output folder, relative to the working directory
   LocatorOptions locator;
+  double seam_tolerance = 1e-6; ///< see commit::CommittedMesh
   CheckpointOptions checkpoint;
   RecordOptions record;
   int held_steps = 0; ///< steps that are held beside the live one

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "commit/halo/seam_faces.h"
 #include "core/status.h"
 #include "scene/parse/parse_parts.h"
 
@@ -76,8 +77,8 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   scene.file = name;
   scene.text = text;
   const MapReader map(Cursor(*root, "", problems),
-                      {"insitu", "output", "page", "locator", "checkpoint", "record", "hold",
-                       "every", "when", "probes", "tracers", "frames"});
+                      {"insitu", "output", "page", "locator", "seam_tolerance", "checkpoint",
+                       "record", "hold", "every", "when", "probes", "tracers", "frames"});
   parse_version(map);
   if (const auto output = map.find("output")) {
     assign(scene.output, output->text());
@@ -87,6 +88,9 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   }
   if (const auto locator = map.find("locator")) {
     scene.locator = parse_locator(*locator);
+  }
+  if (const auto tolerance = map.find("seam_tolerance")) {
+    assign(scene.seam_tolerance, tolerance->number({0.0, commit::SeamMismatches::most_tolerance}));
   }
   if (const auto checkpoint = map.find("checkpoint")) {
     scene.checkpoint = parse_checkpoint(*checkpoint);

@@ -241,8 +241,10 @@ std::string mesh_text(const commit::CommittedMesh& mesh, const std::vector<std::
   j.key("separate_pieces").value(given.separate_pieces);
   if (const mesh::AmrLevels* levels = given.levels) {
     j.key("adaptive").open('{');
-    numbers("origin", levels->lattice.origin, 3);
-    numbers("spacing", levels->lattice.spacing, 3);
+    numbers("origin", levels->given_origin(), 3);
+    numbers("spacing", levels->given_spacing(), 3);
+    if (levels->dimensions() == 2)
+      j.key("dimensions").value(2);
     j.key("level_count").value(levels->level_count).key("ratios").open('[');
     for (int l = 1; l < levels->level_count; ++l)
       j.value(1 << (levels->depth_of[l] - levels->depth_of[l - 1]));

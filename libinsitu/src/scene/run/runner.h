@@ -74,6 +74,7 @@ public:
   std::int64_t geocentric_conversions() const { return structures_.geocentric_conversions(); }
 
   const LocatorOptions& locator() const { return locator_; }
+  double seam_tolerance() const { return seam_tolerance_; }
   const std::string& output() const { return environment_.output; }
 
 private:
@@ -105,6 +106,7 @@ private:
   CinemaTable table_;
   Environment environment_;
   LocatorOptions locator_;
+  double seam_tolerance_;
   std::vector<std::unique_ptr<Action>> actions_;
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded

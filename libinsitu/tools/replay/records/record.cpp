@@ -185,6 +185,8 @@ private:
     three(json, "origin", out.levels.origin);
     three(json, "spacing", out.levels.spacing);
     out.levels.level_count = small(json, "level_count");
+    if (json.contains("dimensions"))
+      out.levels.dimensions = small(json, "dimensions");
     for (const Json& ratio : list(json, "ratios"))
       out.ratios.push_back(std::int32_t(integer(ratio)));
     if (out.levels.level_count < 1 || out.ratios.size() != std::size_t(out.levels.level_count) - 1)

@@ -248,12 +248,13 @@ public:
     state_->counts(index_) = {0, cells[0] * cells[1] * cells[2]};
   }
   /** Makes the piece leaves of octrees of an adaptive mesh. Each leaf has a level (uint8, int32 or
-   *  int64) and the index of its lower corner (3 components of int32 or int64). Both are
-   *  containers, or Arrays with a count. */
+   *  int64) and the index of its lower corner (3 components of int32 or int64, or of a flat mesh 2,
+   *  which the Array then says by components(2)). Both are containers, or Arrays with a count. */
   void leaves(const Array& levels, Array corners, const LeafLattice& lattice = {}) {
     insitu_leaves l = insitu_leaves_default();
     l.levels = levels.get(-1, "levels");
-    l.corners = corners.components(3).get(l.levels.count, "corners");
+    l.corners =
+        corners.components(corners.components() == 2 ? 2 : 3).get(l.levels.count, "corners");
     l.corner_bits = lattice.corner_bits;
     std::copy(lattice.offset.begin(), lattice.offset.end(), l.offset);
     detail::check(insitu_mesh_leaves(handle(), index_, &l));

@@ -90,6 +90,8 @@ struct AmrLevels {
   int count = 1;             /**< number of levels if ratios is empty; all ratios are then 2 */
   bool finest_first = false; /**< whether level 0 is the finest, not the coarsest */
   Reconstruction reconstruction = Reconstruction::dual;
+  int dimensions = 3; /**< 2: the mesh is flat, in the plane of origin[2]; patches have one cell
+                           along k, and other third numbers are of no account */
 };
 
 /** What the corners of leaves count; see insitu_leaves. */

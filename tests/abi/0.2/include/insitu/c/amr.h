@@ -37,6 +37,10 @@ typedef struct insitu_amr {
                               library copies them */
   int32_t finest_first;  /**< 0: level 0 is the coarsest; 1: level 0 is the finest */
   insitu_reconstruction reconstruction; /**< how samples, probes, tracers and frames get values */
+  int32_t dimensions; /**< 3; or 2: the mesh is a flat one, in the plane whose third coordinate is
+                           origin[2]. Its cells have two indices: the third numbers of spacing, of
+                           insitu_patch and of insitu_leaves are of no account */
+  int32_t reserved;
 } insitu_amr;
 
 static inline insitu_amr insitu_amr_default(void) {
@@ -51,6 +55,8 @@ static inline insitu_amr insitu_amr_default(void) {
   a.ratios = NULL;
   a.finest_first = 0;
   a.reconstruction = INSITU_DUAL;
+  a.dimensions = 3;
+  a.reserved = 0;
   return a;
 }
 
@@ -101,12 +107,13 @@ static inline insitu_patch insitu_patch_default(void) {
 INSITU_API insitu_status insitu_mesh_patch(insitu_mesh mesh, int32_t piece,
                                            const insitu_patch* patch);
 
-/** Leaves of octrees; each leaf has a level and the index of its lower corner. */
+/** Leaves of octrees, or of quadtrees where insitu_amr has two dimensions; each leaf has a level
+ * and the index of its lower corner. */
 typedef struct insitu_leaves {
   size_t size;
   insitu_array levels;  /**< uint8, int32 or int64, one a leaf */
-  insitu_array corners; /**< int32 or int64, 3 components a leaf; component_stride serves separate
-                             columns */
+  insitu_array corners; /**< int32 or int64, 3 components a leaf, or 2 in two dimensions;
+                             component_stride serves separate columns */
   int32_t corner_bits;  /**< -1: a corner counts cells of the leaf's own level; otherwise it counts
                              cells of 1/2^corner_bits of the coarsest level's spacing (p4est:
                              P8EST_MAXLEVEL) */
