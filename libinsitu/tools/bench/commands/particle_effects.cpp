@@ -103,9 +103,8 @@ std::vector<ParticleRow> particle_effects(const Options& options, Setup& setup,
          e.boundary->response = advect::AtBoundary::reflect;
        }},
       {"removal that none meets", [](Effects& e) {
-         e.removes = [](const query::Location&, const math::Vec3d& x, double) {
-           return x.x < -1.0;
-         };
+         e.removes = [](const std::vector<double>&, const query::Location&, const math::Vec3d& x,
+                        double) { return x.x < -1.0; };
        }}};
 
   std::vector<ParticleRow> rows;
