@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdio>
 #include <functional>
 #include <netcdf.h>
 #include <stdexcept>
@@ -89,6 +91,32 @@ struct UgridLattice {
     return out;
   }
 };
+
+/// A hexagon, counterclockwise, and beside it a quad, clockwise.
+inline UgridLattice hexagon_and_quad() {
+  UgridLattice out;
+  out.nodes = {{1, 0}, {3, 0}, {4, 2}, {3, 4}, {1, 4}, {0, 2}, {6, 0}, {6, 2}};
+  out.faces = {{0, 1, 2, 3, 4, 5}, {6, 1, 2, 7}};
+  return out;
+}
+
+/// A place in a scene's list of them, to the bit.
+inline std::string text_of(double x, double y, double z) {
+  char text[120];
+  std::snprintf(text, sizeof text, "[%.17g, %.17g, %.17g]", x, y, z);
+  return text;
+}
+
+/// A field that interpolation meets to rounding.
+inline double field_of(double x, double y, double z) {
+  return 3 + x - 2 * y + 0.5 * z;
+}
+
+/// The radius of the ellipsoid's prime vertical (WGS 84) at a latitude in radians, in metres.
+inline double prime_vertical(double latitude) {
+  const double a = 6378137, f = 1 / 298.257223563, e2 = f * (2 - f), sine = std::sin(latitude);
+  return a / std::sqrt(1 - e2 * sine * sine);
+}
 
 /// The file of a lattice: its topology, then what a test adds.
 class UgridFile {

@@ -1,4 +1,4 @@
-// insitu-replay on netCDF by the UGRID conventions: layers by sigma, s and depths; volumes.
+// insitu-replay on netCDF by the UGRID conventions: layers by sigma, s and depths.
 #include "replay.h"
 #include "ugrid_files.h"
 
@@ -20,9 +20,6 @@ double eta_of(double x, double y, double t) {
 }
 double depth_of(double x, double y) {
   return 20 + 2 * x + y;
-}
-double field_of(double x, double y, double z) {
-  return 3 + x - 2 * y + 0.5 * z;
 }
 
 } // namespace
@@ -93,10 +90,7 @@ TEST_F(UgridLayers, BySigmaFromMiddlesAndLevels) {
       const auto [x, y] = lattice.centre(f);
       const double s = 0.25 * level[k] + 0.75 * level[k + 1];
       places.push_back({x, y, eta_of(x, y, 0) + s * (depth_of(x, y) + eta_of(x, y, 0))});
-      char text[120];
-      std::snprintf(text, sizeof text, "%s[%.17g, %.17g, %.17g]", points.empty() ? "" : ", ", x, y,
-                    places.back()[2]);
-      points += text;
+      points += (points.empty() ? "" : ", ") + text_of(x, y, places.back()[2]);
     }
   points += ", [0.5, 0.5, 0.75]"; // above the water at first
   probes(points);
@@ -231,9 +225,7 @@ TEST_F(UgridLayers, ByDepthsWithBoundsAndWithout) {
 /// A hexagon and a quad in layers between heights at the nodes, which the surface moves; the
 /// surface and the bottom are values of faces, and all alike.
 TEST_F(UgridLayers, OfPolygonsWithTermsOfFaces) {
-  UgridLattice lattice;
-  lattice.nodes = {{1, 0}, {3, 0}, {4, 2}, {3, 4}, {1, 4}, {0, 2}, {6, 0}, {6, 2}};
-  lattice.faces = {{0, 1, 2, 3, 4, 5}, {6, 1, 2, 7}};
+  const UgridLattice lattice = hexagon_and_quad();
   const std::size_t nodes = lattice.nodes.size();
   const double level[] = {-1, -0.5, 0};
   {
@@ -359,14 +351,13 @@ TEST_F(UgridLayers, DriftersGoOverTheEllipsoidAtTheirDepth) {
                     "[[11.5, -38.5, -60], [11.5, -38.5, -4000]]}\n");
   const Outcome o = run("--scene scene.yaml --out out sea.nc");
   ASSERT_EQ(o.code, 0) << o.err;
-  const double a = 6378137, f = 1 / 298.257223563, e2 = f * (2 - f), pi = std::acos(-1.0),
-               latitude = -38.5 * pi / 180, sine = std::sin(latitude),
-               normal = a / std::sqrt(1 - e2 * sine * sine);
+  const double pi = std::acos(-1.0), latitude = -38.5 * pi / 180;
   int rows_of[2] = {};
   for (const Row& row : rows("out/t.csv")) {
     const auto p = std::size_t(row.at("particle"));
     const double height = p ? -4000 : -60, speed = p ? -2.5 : 1.5,
-                 turned = row.at("time") * speed / ((normal + height) * std::cos(latitude));
+                 turned = row.at("time") * speed /
+                          ((prime_vertical(latitude) + height) * std::cos(latitude));
     ++rows_of[p];
     // The tolerance allows an error of 1e-6 m a second: 5e-7 degrees in the end.
     EXPECT_NEAR(row.at("x"), 11.5 + turned * 180 / pi, 5e-7);
@@ -377,48 +368,26 @@ TEST_F(UgridLayers, DriftersGoOverTheEllipsoidAtTheirDepth) {
   EXPECT_GE(rows_of[1], 3);
 }
 
-/// Two wedges and a hexahedron of topology dimension 3, by the numbers of their nodes.
-TEST_F(UgridLayers, Volumes) {
+TEST_F(UgridLayers, ADepthThatIsMissingIsNamed) {
+  UgridLattice lattice;
+  lattice.make();
   {
-    NcFile out(path("solid.nc"));
-    const int node = out.dim("node", 12), cell = out.dim("cell", 3), most = out.dim("most", 8),
-              mesh = out.var("Mesh", {}, NC_INT);
-    int axes[3];
-    for (int a = 0; a < 3; ++a)
-      axes[a] = out.var(std::string(1, char('x' + a)), {node});
-    out.say(mesh, {"cf_role", "mesh_topology", "node_coordinates", "x y z",
-                   "volume_node_connectivity", "nodes"});
-    out.say(mesh, "topology_dimension", 3);
-    const int nodes = out.var("nodes", {cell, most}, NC_INT), f = out.var("f", {node}),
-              g = out.var("g", {cell});
-    out.say(nodes, "_FillValue", -1);
-    out.say(nodes, "start_index", 1);
-    out.say(f, {"mesh", "Mesh", "location", "node"});
-    out.say(g, {"mesh", "Mesh", "location", "volume"});
-    out.begin();
-    std::vector<double> xyz[3], values; // two layers of 3 x 2 nodes
-    for (int k = 0; k < 2; ++k)
-      for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 3; ++i) {
-          xyz[0].push_back(i);
-          xyz[1].push_back(j);
-          xyz[2].push_back(2 * k);
-          values.push_back(field_of(i, j, 2 * k));
-        }
-    for (int a = 0; a < 3; ++a)
-      out.put(axes[a], xyz[a]);
-    out.put(nodes,
-            {1, 2, 5, 4, 7, 8, 11, 10, 2, 6, 3, 8, 12, 9, -1, -1, 2, 5, 6, 8, 11, 12, -1, -1});
-    out.put(f, values);
-    out.put(g, {0, 1, 2});
+    UgridFile out(path("sea.nc"), lattice, 1, "seconds since 2000-01-01");
+    const int dim = out.file.dim("siglev", 2), levels = out.file.var("siglev", {dim}),
+              h = out.field("h", {out.node}, "node");
+    out.file.say(levels, {"standard_name", "ocean_sigma_coordinate", "formula_terms",
+                          "sigma: siglev eta: h depth: h"});
+    out.field("temp", {dim, out.node}, "node");
+    out.begin({0});
+    out.file.put(levels, {0, -1});
+    std::vector<double> depths(lattice.nodes.size(), 20);
+    depths[3] = NC_FILL_DOUBLE;
+    out.file.put(h, depths);
   }
-  probes("[0.5, 0.5, 1], [1.75, 0.25, 1.5], [1.25, 0.75, 0.5]");
-  const std::vector<Row> table = replay("solid.nc");
-  ASSERT_EQ(table.size(), 3u);
-  const double x[] = {0.5, 1.75, 1.25}, y[] = {0.5, 0.25, 0.75}, z[] = {1, 1.5, 0.5};
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(table[i].at("f"), field_of(x[i], y[i], z[i]), 1e-12);
-    EXPECT_EQ(table[i].at("g"), double(i));
-    EXPECT_EQ(table[i].at("cell"), double(i));
-  }
+  probes("[0.5, 0.5, 0]");
+  const Outcome o = run("--scene scene.yaml --out out sea.nc");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.err.find("sea.nc: variable 'h': node 3 has no value, which heights of 'siglev' need"),
+            std::string::npos)
+      << o.err;
 }

@@ -1,4 +1,4 @@
-// insitu-replay on netCDF by the UGRID conventions: flat meshes.
+// insitu-replay on netCDF by the UGRID conventions: flat meshes and volumes.
 #include "replay.h"
 #include "ugrid_files.h"
 
@@ -31,12 +31,6 @@ struct Ugrid : Replay {
     out.file.put(depth, out.of_nodes(1, [](double x, double y, double) { return x + y; }));
   }
 };
-
-std::string text_of(double x, double y, double z) {
-  char text[120];
-  std::snprintf(text, sizeof text, "[%.17g, %.17g, %.17g]", x, y, z);
-  return text;
-}
 
 } // namespace
 
@@ -98,9 +92,8 @@ TEST_F(Ugrid, LongitudesAndLatitudesAreGeodetic) {
   ASSERT_EQ(o.code, 0) << o.err;
   const std::vector<Row> table = rows("out/drift.csv");
   ASSERT_GE(table.size(), 3u) << contents(path("out/drift.csv"));
-  const double a = 6378137, f = 1 / 298.257223563, e2 = f * (2 - f),
-               latitude = 60.5 * std::acos(-1.0) / 180, sine = std::sin(latitude),
-               radius = a / std::sqrt(1 - e2 * sine * sine) * std::cos(latitude);
+  const double latitude = 60.5 * std::acos(-1.0) / 180,
+               radius = prime_vertical(latitude) * std::cos(latitude);
   for (std::size_t i = 0; i < 3; ++i) {
     const double time = 21600 * double(i), turned = time * 2 / radius * 180 / std::acos(-1.0);
     EXPECT_EQ(table[i].at("time"), time);
@@ -112,9 +105,7 @@ TEST_F(Ugrid, LongitudesAndLatitudesAreGeodetic) {
 
 /// A hexagon amid quads is cut about its centre; what it was is told.
 TEST_F(Ugrid, PolygonsAreCutIntoTriangles) {
-  UgridLattice lattice;
-  lattice.nodes = {{1, 0}, {3, 0}, {4, 2}, {3, 4}, {1, 4}, {0, 2}, {6, 0}, {6, 2}};
-  lattice.faces = {{0, 1, 2, 3, 4, 5}, {1, 6, 7, 2}};
+  UgridLattice lattice = hexagon_and_quad();
   write_lattice("mesh.nc", lattice, NC_64BIT_OFFSET);
   probes("[1, 1, 0], [3, 2.5, 0], [5, 1, 0], [2, 2, 0]");
   const Outcome o = run("--scene scene.yaml --out out mesh.nc");
@@ -209,27 +200,19 @@ TEST_F(Ugrid, WhatIsWrongIsNamed) {
   }
   refused("nomesh.nc",
           "variable 'temp': mesh names the variable 'Mesh7', which is not in the file");
-  {
-    NcFile out(path("noids.nc"));
+  const auto without_faces = [&](const std::string& name, double last_y) {
+    NcFile out(path(name));
     const int mesh = out.var("Mesh", {}, NC_INT), node = out.dim("node", 3);
     const int x = out.var("x", {node}), y = out.var("y", {node});
     out.say(mesh, {"cf_role", "mesh_topology", "node_coordinates", "x y"});
     out.say(mesh, "topology_dimension", 2);
     out.begin();
     out.put(x, {0, 1, 0});
-    out.put(y, {0, 0, NC_FILL_DOUBLE});
-  }
+    out.put(y, {0, 0, last_y});
+  };
+  without_faces("noids.nc", NC_FILL_DOUBLE);
   refused("noids.nc", "variable 'y': node 2 has no coordinate");
-  {
-    NcFile out(path("nofaces.nc"));
-    const int mesh = out.var("Mesh", {}, NC_INT), node = out.dim("node", 3);
-    const int x = out.var("x", {node}), y = out.var("y", {node});
-    out.say(mesh, {"cf_role", "mesh_topology", "node_coordinates", "x y"});
-    out.say(mesh, "topology_dimension", 2);
-    out.begin();
-    out.put(x, {0, 1, 0});
-    out.put(y, {0, 0, 1});
-  }
+  without_faces("nofaces.nc", 1);
   refused("nofaces.nc", "variable 'Mesh': has no face_node_connectivity");
   {
     UgridFile out(path("location.nc"), lattice, 1, "seconds since 2000-01-01");
@@ -244,4 +227,50 @@ TEST_F(Ugrid, WhatIsWrongIsNamed) {
   refused("cut.nc", "variable '");
   put("header.nc", whole.substr(0, 100));
   refused("header.nc", "ends within its header");
+}
+
+/// Two wedges and a hexahedron of topology dimension 3, by the numbers of their nodes.
+TEST_F(Ugrid, Volumes) {
+  {
+    NcFile out(path("solid.nc"));
+    const int node = out.dim("node", 12), cell = out.dim("cell", 3), most = out.dim("most", 8),
+              mesh = out.var("Mesh", {}, NC_INT);
+    int axes[3];
+    for (int a = 0; a < 3; ++a)
+      axes[a] = out.var(std::string(1, char('x' + a)), {node});
+    out.say(mesh, {"cf_role", "mesh_topology", "node_coordinates", "x y z",
+                   "volume_node_connectivity", "nodes"});
+    out.say(mesh, "topology_dimension", 3);
+    const int nodes = out.var("nodes", {cell, most}, NC_INT), f = out.var("f", {node}),
+              g = out.var("g", {cell});
+    out.say(nodes, "_FillValue", -1);
+    out.say(nodes, "start_index", 1);
+    out.say(f, {"mesh", "Mesh", "location", "node"});
+    out.say(g, {"mesh", "Mesh", "location", "volume"});
+    out.begin();
+    std::vector<double> xyz[3], values; // two layers of 3 x 2 nodes
+    for (int k = 0; k < 2; ++k)
+      for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 3; ++i) {
+          xyz[0].push_back(i);
+          xyz[1].push_back(j);
+          xyz[2].push_back(2 * k);
+          values.push_back(field_of(i, j, 2 * k));
+        }
+    for (int a = 0; a < 3; ++a)
+      out.put(axes[a], xyz[a]);
+    out.put(nodes,
+            {1, 2, 5, 4, 7, 8, 11, 10, 2, 6, 3, 8, 12, 9, -1, -1, 2, 5, 6, 8, 11, 12, -1, -1});
+    out.put(f, values);
+    out.put(g, {0, 1, 2});
+  }
+  probes("[0.5, 0.5, 1], [1.75, 0.25, 1.5], [1.25, 0.75, 0.5]");
+  const std::vector<Row> table = replay("solid.nc");
+  ASSERT_EQ(table.size(), 3u);
+  const double x[] = {0.5, 1.75, 1.25}, y[] = {0.5, 0.25, 0.75}, z[] = {1, 1.5, 0.5};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(table[i].at("f"), field_of(x[i], y[i], z[i]), 1e-12);
+    EXPECT_EQ(table[i].at("g"), double(i));
+    EXPECT_EQ(table[i].at("cell"), double(i));
+  }
 }
