@@ -3,11 +3,26 @@
 
 #include <array>
 #include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
 #include "insitu/blueprint.h"
 #include "insitu/insitu.hpp"
 
 #include "nodes.h"
+
+/// A uniform block as the domain of this path, such as "a/"; "": of the node itself.
+inline void add_uniform(TestNode& node, const std::string& domain, const std::vector<int>& cells,
+                        const std::vector<double>& origin, const std::vector<double>& spacing) {
+  for (std::size_t a = 0; a < cells.size(); ++a) {
+    node.set(domain + "coordsets/coords/dims/" + "ijk"[a], cells[a] + 1);
+    node.set(domain + "coordsets/coords/origin/" + "xyz"[a], origin[a]);
+    node.set(domain + "coordsets/coords/spacing/d" + "xyz"[a], spacing[a]);
+  }
+  node.set(domain + "coordsets/coords/type", "uniform");
+  node.set(domain + "topologies/topo/type", "uniform");
+  node.set(domain + "topologies/topo/coordset", "coords");
+}
 
 class Blueprint : public testing::Test {
 protected:
@@ -86,14 +101,16 @@ protected:
     node.set("topologies/topo/elements/connectivity", box.hexahedra);
     return node;
   }
-  static TestNode uniform(Box& box, std::array<double, 3> origin = {1, 2, 3}) {
+  static void add_uniform_box(TestNode& node, const std::string& domain, const Box& box,
+                              const std::vector<double>& origin) {
+    std::vector<double> spacing;
+    for (int a = 0; a < 3; ++a)
+      spacing.push_back(Box::at(std::size_t(a), 1) - Box::at(std::size_t(a), 0));
+    add_uniform(node, domain, {box.n.begin(), box.n.end()}, origin, spacing);
+  }
+  static TestNode uniform(Box& box, const std::vector<double>& origin = {1, 2, 3}) {
     TestNode node;
-    add_topology(node, "uniform", "uniform");
-    for (std::size_t a = 0; a < 3; ++a) {
-      node.set(std::string("coordsets/coords/dims/") + "ijk"[a], box.n[a] + 1);
-      node.set(std::string("coordsets/coords/origin/") + "xyz"[a], origin[a]);
-      node.set(std::string("coordsets/coords/spacing/d") + "xyz"[a], Box::at(a, 1) - Box::at(a, 0));
-    }
+    add_uniform_box(node, "", box, origin);
     add_fields(node, box);
     return node;
   }

@@ -1,5 +1,6 @@
 // Blueprint nodes as meshes: blocks, domains, fields, ghosts, patches, read in place.
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -67,14 +68,7 @@ TEST_F(Blueprint, DomainsArePieces) {
   TestNode both, first = uniform(box), second = uniform(box, {5, 2, 3});
   // The trees again, under names of domains.
   const auto put = [&](const std::string& name, double x) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      both.set(name + "coordsets/coords/dims/" + "ijk"[a], box.n[a] + 1);
-      both.set(name + "coordsets/coords/origin/" + "xyz"[a], a == 0 ? x : Box::at(a, 0));
-      both.set(name + "coordsets/coords/spacing/d" + "xyz"[a], Box::at(a, 1) - Box::at(a, 0));
-    }
-    both.set(name + "coordsets/coords/type", "uniform");
-    both.set(name + "topologies/topo/type", "uniform")
-        .set(name + "topologies/topo/coordset", "coords");
+    add_uniform_box(both, name, box, {x, Box::at(1, 0), Box::at(2, 0)});
     both.set(name + "fields/number/association", "element");
     both.set(name + "fields/number/values", box.number);
   };
@@ -177,36 +171,44 @@ TEST_F(Blueprint, VectorsOfAnyLayout) {
   expect_in_place();
 }
 
-/// A level of one block of 4^3 cells, and one of 4^3 finer ones in its middle, with a layer of
-/// duplicates around.
-TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
-  TestNode node;
-  std::vector<double> coarse, fine;
-  std::vector<std::int32_t> ghosts;
-  const auto put = [&](const std::string& name, int level, int cells, double origin, double spacing,
-                       std::vector<double>& values) {
-    for (int k = 0; k < cells; ++k)
+/// A level of one block of four cells along each axis, and one of four finer ones along each in its
+/// middle, with a layer of duplicates around; cells' values tell where they are.
+struct TwoLevels {
+  TwoLevels(std::size_t dimensions, TestNode& node) {
+    const auto put = [&](const std::string& name, int level, int cells, double origin,
+                         double spacing, std::vector<double>& values) {
+      for_cells(dimensions, cells, [&](const std::array<int, 3>& at) {
+        values.push_back(level * 1000 + at[0] + 10 * at[1] + 100 * at[2]);
+      });
+      add_uniform(node, name, std::vector(dimensions, cells), std::vector(dimensions, origin),
+                  std::vector(dimensions, spacing));
+      node.set(name + "state/level", level);
+      node.set(name + "fields/v/association", "element").set(name + "fields/v/values", values);
+    };
+    put("a/", 0, 4, 0.0, 1.0, coarse);
+    put("b/", 1, 6, 0.5, 0.5, fine); // from 1 to 3 without its layer
+    for_cells(dimensions, 6, [&](const std::array<int, 3>& at) {
+      ghosts.push_back(std::any_of(at.begin(), at.begin() + std::ptrdiff_t(dimensions),
+                                   [](int i) { return i < 1 || i > 4; }));
+    });
+    node.set("b/fields/ascent_ghosts/association", "element");
+    node.set("b/fields/ascent_ghosts/values", ghosts);
+  }
+  template <class F>
+  static void for_cells(std::size_t dimensions, int cells, F&& f) {
+    for (int k = 0; k < (dimensions == 3 ? cells : 1); ++k)
       for (int j = 0; j < cells; ++j)
         for (int i = 0; i < cells; ++i)
-          values.push_back(level * 1000 + i + 10 * j + 100 * k);
-    for (std::size_t a = 0; a < 3; ++a) {
-      node.set(name + "coordsets/coords/dims/" + "ijk"[a], cells + 1);
-      node.set(name + "coordsets/coords/origin/" + "xyz"[a], origin);
-      node.set(name + "coordsets/coords/spacing/d" + "xyz"[a], spacing);
-    }
-    node.set(name + "coordsets/coords/type", "uniform");
-    node.set(name + "topologies/topo/type", "uniform");
-    node.set(name + "topologies/topo/coordset", "coords").set(name + "state/level", level);
-    node.set(name + "fields/v/association", "element").set(name + "fields/v/values", values);
-  };
-  put("a/", 0, 4, 0.0, 1.0, coarse);
-  put("b/", 1, 6, 0.5, 0.5, fine); // from 1 to 3 without its layer
-  for (int c = 0; c < 216; ++c) {
-    const int i = c % 6, j = c / 6 % 6, k = c / 36;
-    ghosts.push_back(i < 1 || i > 4 || j < 1 || j > 4 || k < 1 || k > 4);
+          f(std::array{i, j, k});
   }
-  node.set("b/fields/ascent_ghosts/association", "element");
-  node.set("b/fields/ascent_ghosts/values", ghosts);
+
+  std::vector<double> coarse, fine;
+  std::vector<std::int32_t> ghosts;
+};
+
+TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
+  TestNode node;
+  const TwoLevels levels(3, node);
   expect_attached(node, true);
   Mesh mesh = session_.mesh("mesh");
   const std::vector<double> points = {0.5, 0.5, 0.5, 1.25, 1.25, 1.25, 2.75, 1.25, 1.25};
@@ -224,32 +226,9 @@ TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
   expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a half or a quarter a level", true);
 }
 
-/// The same in two dimensions.
 TEST_F(Blueprint, PatchesOfAFlatAdaptiveMesh) {
   TestNode node;
-  std::vector<double> coarse, fine;
-  std::vector<std::int32_t> ghosts;
-  const auto put = [&](const std::string& name, int level, int cells, double origin, double spacing,
-                       std::vector<double>& values) {
-    for (int j = 0; j < cells; ++j)
-      for (int i = 0; i < cells; ++i)
-        values.push_back(level * 1000 + i + 10 * j);
-    for (std::size_t a = 0; a < 2; ++a) {
-      node.set(name + "coordsets/coords/dims/" + "ij"[a], cells + 1);
-      node.set(name + "coordsets/coords/origin/" + "xy"[a], origin);
-      node.set(name + "coordsets/coords/spacing/d" + "xy"[a], spacing);
-    }
-    node.set(name + "coordsets/coords/type", "uniform");
-    node.set(name + "topologies/topo/type", "uniform");
-    node.set(name + "topologies/topo/coordset", "coords").set(name + "state/level", level);
-    node.set(name + "fields/v/association", "element").set(name + "fields/v/values", values);
-  };
-  put("a/", 0, 4, 0.0, 1.0, coarse);
-  put("b/", 1, 6, 0.5, 0.5, fine); // from 1 to 3 without its layer
-  for (int c = 0; c < 36; ++c)
-    ghosts.push_back(c % 6 < 1 || c % 6 > 4 || c / 6 < 1 || c / 6 > 4);
-  node.set("b/fields/ascent_ghosts/association", "element");
-  node.set("b/fields/ascent_ghosts/values", ghosts);
+  const TwoLevels levels(2, node);
   expect_attached(node, true);
   Mesh mesh = session_.mesh("mesh");
   const std::vector<double> points = {0.5, 0.5, 7, 1.25, 1.25, 0, 2.75, 1.25, -3};

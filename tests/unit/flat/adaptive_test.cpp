@@ -1,6 +1,7 @@
 // Adaptive meshes of two dimensions: quadtrees and flat patches.
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
@@ -284,6 +285,59 @@ TEST(FlatAdaptive, TracersOfAVortexStayOnTheirCirclesAndInThePlane) {
       EXPECT_EQ(at(5), plane) << line;
     }
     EXPECT_GE(rows, 10);
+  }
+}
+
+/// Stopped after a cycle and after a regrid, and gone on with from the checkpoint, over a regrid
+/// too.
+TEST(FlatAdaptive, GoOnFromACheckpointToTheByte) {
+  const std::string scene =
+      "insitu: 1\npage: false\n"
+      "probes:\n"
+      "  - {name: line, points: {line: {from: [0.5, -1.5, 0], to: [4, 4, 9], count: 20}}, fields: "
+      "[f, u]}\n"
+      "tracers:\n"
+      "  - {name: turns, velocity: u, fields: [f], output: [csv],\n"
+      "     seeds: {box: {min: [0.5, -1.5, 0], max: [4.5, 4.5, 0], counts: [4, 4, 1]}}}\n"
+      "frames: [{name: sheet, size: [32, 32], boundary: {color: {field: f}}}]\n";
+  constexpr int regrid = 2, cycles = 5;
+  for (const auto how : {insitu::Reconstruction::dual, insitu::Reconstruction::nearest}) {
+    const test::Folder folder;
+    const std::string state = folder / "state";
+    const auto go = [&](const std::string& out, int from, int to) {
+      Quadtree before(6, 6, 4, 2), after(6, 6, 3, 5);
+      std::string log;
+      insitu::Session session = session_of(scene, out, log);
+      insitu::Mesh mesh = session.mesh("m");
+      for (int cycle = from; cycle < to; ++cycle) {
+        if (cycle == from || cycle == regrid)
+          (cycle < regrid ? before : after).give(mesh, how);
+        if (cycle == from && from > 0)
+          session.restart(state);
+        ASSERT_TRUE(session.execute(cycle, 0.25 * cycle)) << insitu_last_message();
+      }
+      if (to < cycles)
+        session.checkpoint(state);
+      else
+        session.close();
+      EXPECT_EQ(log, "");
+    };
+    const std::string whole = folder / "whole";
+    go(whole, 0, cycles);
+    for (const int stop : {1, regrid + 1}) {
+      const std::string rest = folder / ("rest" + std::to_string(stop));
+      go(rest, 0, stop);
+      go(rest, stop, cycles);
+      int files = 0;
+      for (const auto& file : std::filesystem::recursive_directory_iterator(whole))
+        if (const auto end = file.path().extension(); end == ".csv" || end == ".png") {
+          const auto name = std::filesystem::relative(file.path(), whole);
+          EXPECT_EQ(test::content(file.path()), test::content(rest / name))
+              << name << ", stopped after " << stop;
+          ++files;
+        }
+      EXPECT_GE(files, 2 + cycles);
+    }
   }
 }
 

@@ -1,12 +1,13 @@
 /** @file p4est.h
  *  A p8est forest, or a p4est forest of two dimensions, becomes an adaptive mesh: its local trees
- * are the mesh's pieces, in order, and its quadrants the leaves, which the library reads in place.
- * C99.
+ *  are the mesh's pieces, in order, and its quadrants the leaves, which the library reads in place.
+ *  C99.
  *
  *  The adaptor supports a brick: trees that are equal boxes along the axes, side by side without
- *  rotation, as p8est_connectivity_new_brick and _new_unitcube make (periodic or not, with holes,
- *  with vertices scaled). The place of each tree follows from the connectivity's vertices. The
- *  adaptor refuses any other connectivity, and any geometry that bends trees, by name.
+ *  rotation, as p8est_connectivity_new_brick and _new_unitcube make, and
+ *  p4est_connectivity_new_brick and _new_unitsquare (periodic or not, with holes, with vertices
+ *  scaled). The place of each tree follows from the connectivity's vertices. The adaptor refuses
+ *  any other connectivity, and any geometry that bends trees, by name.
  *
  *  The caller calls both functions again, insitu_p4est_mesh first, whenever p4est may have moved
  *  its quadrants or records: after refining, coarsening, balancing and partitioning. In between,
@@ -54,16 +55,21 @@ INSITU_P4EST_API insitu_status insitu_p4est_field(insitu_mesh mesh, p8est_t* for
                                                   const char* name, insitu_type type, size_t offset,
                                                   int32_t components);
 
-/** Do the same with a forest of two dimensions, which becomes a flat mesh (insitu_amr, dimensions).
- *  origin[2] is its plane, tree_size[2] is of no account; where both are null, the plane is that of
- *  the connectivity's vertices, whose third coordinates are one. */
+/** Does as insitu_p4est_mesh with a forest of two dimensions, which becomes a flat mesh
+ *  (insitu_amr, dimensions). origin[2] is its plane, and tree_size[2] is of no account. Where both
+ *  are null, the plane is that of the connectivity's vertices, which must all have one third
+ *  coordinate. */
 INSITU_P4EST_API insitu_status insitu_p4est_flat_mesh(insitu_mesh mesh, p4est_t* forest,
                                                       const double origin[3],
                                                       const double tree_size[3]);
+
+/** Does as insitu_p4est_flat_mesh, which has INSITU_DUAL, with a reconstruction of samples. */
 INSITU_P4EST_API insitu_status insitu_p4est_flat_mesh_as(insitu_mesh mesh, p4est_t* forest,
                                                          const double origin[3],
                                                          const double tree_size[3],
                                                          insitu_reconstruction reconstruction);
+
+/** Does as insitu_p4est_field with a forest of two dimensions. */
 INSITU_P4EST_API insitu_status insitu_p4est_flat_field(insitu_mesh mesh, p4est_t* forest,
                                                        const char* name, insitu_type type,
                                                        size_t offset, int32_t components);
