@@ -1,5 +1,6 @@
 /// Scenes of adaptive meshes over processes: their files are those of one process, to the byte.
 #include "amr_session.h"
+#include "images.h"
 #include "shown_again.h"
 
 using namespace insitu;
@@ -131,6 +132,34 @@ TEST(ProcessAdaptive, Frames) {
       "     effects: [single_scattering], path_tracing: {samples: 2}}\n"
       "  - {name: skin, size: [24, 24], boundary: {color: {field: s}}}\n",
       INSITU_NEAREST, 12);
+}
+
+/// Through a transparent boundary no face inside is seen, where leaves of one depth or of several
+/// touch: each ray through the block meets it twice.
+TEST(ProcessAdaptive, TransparentBoundaries) {
+  const std::string scene =
+      "insitu: 1\npage: false\nframes:\n"
+      "  - {name: f, size: [48, 40], format: [png, exr], background: transparent,\n"
+      "     boundary: {opacity: 0.2}}\n"
+      "  - {name: lit, size: [32, 32], effects: [shadows], boundary: {opacity: 0.2, color: {field: "
+      "s}}}\n";
+  const int twice = int(std::lround(255 * (1 - 0.8 * 0.8)));
+  for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
+    expect_one(scene, how, 9);
+    for (const AmrMesh& whole : {octree(), patches()}) {
+      const auto files = run_amr(whole, how, 1, deal_of(0, 1), scene);
+      const output::PngImage image = image_of(files.at("f_000000.png"));
+      ASSERT_EQ(image.channels, 4);
+      int seen = 0;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+          if (const int alpha = image.pixel(x, y)[3]; alpha != 0) {
+            ++seen;
+            EXPECT_EQ(alpha, twice) << how << " " << x << " " << y;
+          }
+      EXPECT_GT(seen, 400) << how;
+    }
+  }
 }
 
 /// Leaves in one frame with cubes that overlap them and are cut in another way.

@@ -2,8 +2,7 @@
 #include <cmath>
 
 #include "fixtures/earth_meshes.h"
-#include "output/image/png.h"
-#include "part_session.h"
+#include "images.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -82,13 +81,6 @@ std::map<std::string, std::string> drawn(const TestMesh& mesh, const std::string
     }
     EXPECT_EQ(process.execute(0), "");
   });
-}
-
-output::PngImage image_of(const std::string& bytes) {
-  const OwnFolder folder;
-  const std::string path = folder / "image.png";
-  std::ofstream(path, std::ios::binary) << bytes;
-  return output::read_png(path);
 }
 
 /// Rays along parallels of 360 degrees, some aslant, that meet no side of the ring but its ends.

@@ -1,8 +1,7 @@
 // Frames of several meshes over several processes, beside those of one process.
 #include <cmath>
 
-#include "output/image/png.h"
-#include "part_session.h"
+#include "images.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -80,12 +79,12 @@ void expect_same_on_all(const std::string& frames, std::size_t least_files) {
   }
 }
 
-/// Of an image of 8 bits.
-int greatest_step(const std::string& a, const std::string& b) {
+/// Of images of 8 bits, in codes.
+int greatest_step(const output::PngImage& a, const output::PngImage& b) {
   int most = 0;
-  EXPECT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    most = std::max(most, std::abs(int(std::uint8_t(a[i])) - int(std::uint8_t(b[i]))));
+  EXPECT_EQ(a.pixels.size(), b.pixels.size());
+  for (std::size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i)
+    most = std::max(most, std::abs(int(a.pixels[i]) - int(b.pixels[i])));
   return most;
 }
 
@@ -173,15 +172,8 @@ TEST(ProcessFramesOfMeshes, StandardCompositing) {
     std::vector<std::string> told;
     const Files found = run(wholes, cut, one_volume + standard, &told);
     EXPECT_TRUE(told.empty());
-    for (const char* name : {"f_000000.png", "f_000001.png"}) {
-      const OwnFolder folder;
-      std::ofstream(folder / "a.png", std::ios::binary) << one.at(name);
-      std::ofstream(folder / "b.png", std::ios::binary) << found.at(name);
-      const output::PngImage a = output::read_png(folder / "a.png");
-      const output::PngImage b = output::read_png(folder / "b.png");
-      EXPECT_LE(
-          greatest_step({a.pixels.begin(), a.pixels.end()}, {b.pixels.begin(), b.pixels.end()}), 1);
-    }
+    for (const char* name : {"f_000000.png", "f_000001.png"})
+      EXPECT_LE(greatest_step(image_of(one.at(name)), image_of(found.at(name))), 1);
     expect_same(two, run(wholes, cut, two_volumes + standard, &told), "two volumes");
     EXPECT_EQ(told, std::vector<std::string>{"cycle 0: frame 'f': its compositing is 'exact', as "
                                              "volumes of several meshes are blended sample by "

@@ -12,6 +12,7 @@
 #include "cells/kernels/faces.h"
 #include "mesh/box.h"
 #include "mesh/piece_borders.h"
+#include "render/surface/leaf_faces.h"
 
 namespace insitu::render {
 
@@ -81,6 +82,13 @@ private:
   std::vector<Pair> first_of_; ///< ascending
 };
 
+/// Whether cells that touch may number their vertices apart, so that their faces meet by places.
+bool has_faces_apart(const mesh::MeshView& mesh) {
+  return mesh.piece_count > 1 ||
+         std::any_of(mesh.pieces, mesh.pieces + mesh.piece_count,
+                     [](const mesh::PieceView& piece) { return !piece.shares_vertices(); });
+}
+
 /// Removes faces with the same corners as another cell's: those of neighbouring pieces, or
 /// gridlets, whose vertices are numbered apart, and of copies.
 void remove_pairs(const mesh::MeshView& mesh, const ChartCopies* copies,
@@ -136,9 +144,6 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
                                                      core::Memory& memory) {
   const core::CountedAllocator<Face> counted(memory, INSITU_MEMORY_FRAME);
   core::CountedVector<Face> faces(counted);
-  bool apart = mesh.piece_count > 1;
-  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    apart = apart || mesh.pieces[p].in_runs();
   {
     accel::MeshFaces table(memory);
     table.build(mesh, threads);
@@ -147,7 +152,9 @@ std::unique_ptr<TriangleMesh> TriangleMesh::boundary(const mesh::MeshView& mesh,
       if (face.other == none && mesh.pieces[mesh.piece_of(face.cell)].pole == 0)
         faces.push_back(face);
   }
-  if (apart)
+  if (has_leaf_faces(mesh))
+    remove_faces_inside(mesh, faces);
+  else if (has_faces_apart(mesh))
     remove_pairs(mesh, copies, faces, threads);
   std::erase_if(faces, [&](const Face& face) { return !mesh.is_own(face.cell); });
 
@@ -260,11 +267,8 @@ std::int64_t TriangleMesh::bytes_about(const query::Sampler& sampler) {
 
 std::int64_t TriangleMesh::most_bytes_while_made(const mesh::MeshView& mesh,
                                                  const core::Threads& threads) {
-  // What is taken from the table is no more than it held, but for what finds pairs among pieces.
-  bool apart = mesh.piece_count > 1;
-  for (std::int32_t p = 0; p < mesh.piece_count; ++p)
-    apart = apart || mesh.pieces[p].in_runs();
-  return (apart ? 3 : 1) * accel::MeshFaces::most_bytes_while_built(mesh, threads);
+  // What is taken from the table is no more than it held, but for what finds faces by places.
+  return (has_faces_apart(mesh) ? 3 : 1) * accel::MeshFaces::most_bytes_while_built(mesh, threads);
 }
 
 std::int64_t TriangleMesh::bytes() const {

@@ -31,7 +31,8 @@ class TriangleMesh {
 public:
   /// The faces of owning cells that no other cell has, each quad as two triangles along the
   /// diagonal of its canonical corner: good to look at, not the exact boundary of curved cells.
-  /// Faces of different pieces meet if their corners have the same coordinates. bounds: of the
+  /// Faces of different pieces meet if their corners have the same coordinates, and those of leaves
+  /// of an adaptive mesh, of one depth or several, as remove_faces_inside() says. bounds: of the
   /// whole mesh, of which this may be the part of one process: rays meet each part as the whole.
   /// copies: of a chart that has some, over whose seam faces meet, too; else null.
   static std::unique_ptr<TriangleMesh> boundary(const mesh::MeshView& mesh, const mesh::Box& bounds,
