@@ -92,12 +92,11 @@ public:
                   const core::Threads& threads, Snapshots* snapshots = nullptr,
                   const StepBefore* before = nullptr);
   /// The same with the particles of several processes, which go to where their cells are. The
-  /// sampler's mesh has the cells of other processes that touch this one's; `before` has
-  /// what all processes had where these are. Meshes in longitude and latitude are refused
-  /// (INSITU_ERROR_UNSUPPORTED). Where sides are
-  /// periodic it has those that touch over them, too.
-  /// What is returned is the sum over all processes, but for the rest of Advance. Collective; all
-  /// throw alike.
+  /// sampler's mesh has the cells of other processes that touch this one's, over periodic sides and
+  /// the seam of longitude too; `before` has what all processes had where these cells are. Cells
+  /// beyond these that a step needs come from their owners for the interval (FarCells).
+  /// Counts, work and effects are those of all processes, and so is the travel. Collective; all
+  /// processes throw alike.
   Advance advance(const Across& across, const query::Sampler& sampler,
                   const mesh::FieldView& velocity, const EarlierSteps& earlier_velocity, double t0,
                   double t1, const core::Threads& threads, Snapshots* snapshots = nullptr,

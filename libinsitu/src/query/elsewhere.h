@@ -41,7 +41,7 @@ public:
                                              double alpha) const = 0;
   /// The other processes that may hold a point, or a point within reach of it.
   virtual std::vector<int> ranks_at(const math::Vec3d& point, double reach) const = 0;
-  /// Who knows in this one's place, or null: nobody any more.
+  /// From now on find() and nearest() ask `who`; null: points beyond are in no cell.
   virtual void ask(const Outlook* /*who*/) const {}
 };
 

@@ -43,8 +43,8 @@ public:
     const math::Vec3d* vertices;
     Known* to; ///< where the answer goes
   };
-  /// Finds out about cells of one shape, of a mesh with so many cells when somebody asks first;
-  /// what lies behind these is found anew each time. May throw for want of memory.
+  /// Finds out about cells of one shape. cell_count: of the mesh; the first call makes room for so
+  /// many, and cells with higher ids are examined at every call. May throw for want of memory.
   void find(std::int64_t cell_count, mesh::Shape shape, std::span<const Asked> asked) const;
   /// The same for one, if it is not known.
   bool is_sound(const mesh::MeshView& mesh, std::int64_t cell) const;

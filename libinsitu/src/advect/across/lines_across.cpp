@@ -10,7 +10,6 @@
 
 #include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
-#include "advect/across/own_boxes.h"
 #include "advect/integrate/check.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
@@ -333,23 +332,15 @@ void Lines::run(parallel::World& world, FarCells& cells) {
 
 LinePieces Lines::run() {
   parallel::World& world = across_.world;
-  std::vector<mesh::Box> own;
-  std::vector<FarCells::InTime> fields{{&velocity_}};
-  std::vector<std::int64_t> facts;
-  world.agree_after([&] {
+  const auto fields_of = [&] {
     if (settings_.effects.any())
       setup_.emplace(settings_.effects, sampler_, threads_);
-    own = own_boxes(sampler_.mesh(), across_.homes, threads_);
+    std::vector<FarCells::InTime> fields{{&velocity_}};
     add_fields(settings_.effects, fields);
-    facts = FarCells::facts(sampler_, fields);
-  });
-  query::Directory directory;
-  directory.gather(own, world);
-  world.reduce(std::span(facts), parallel::Reduction::greatest);
+    return fields;
+  };
   std::optional<FarCells> cells;
-  world.agree_after([&] {
-    cells.emplace(sampler_, across_.homes, std::move(directory), world.rank(), fields, facts);
-  });
+  make_far_cells(across_, sampler_, threads_, fields_of, cells);
   run(world, *cells);
   if (settings_.exits)
     tell_exits(world, *settings_.exits, sampler_, left_, particles_);

@@ -37,9 +37,9 @@ struct LinePieces {
   Work work;
 };
 
-/// Streamlines through a mesh that is spread over processes: see trace_streamlines(). Meshes
-/// in longitude and latitude are refused (INSITU_ERROR_UNSUPPORTED). Collective; throws
-/// parallel::AgreedError.
+/// Streamlines through a mesh that is spread over processes: see trace_streamlines(). The sampler's
+/// mesh has the cells of other processes that touch this one's; cells beyond these that a step
+/// needs come from their owners (FarCells). Collective; throws parallel::AgreedError.
 LinePieces trace_lines_across(const Across& across, const query::Sampler& sampler,
                               const mesh::FieldView& velocity, std::span<const math::Vec3d> seeds,
                               const StreamlineSettings& settings, const core::Threads& threads,

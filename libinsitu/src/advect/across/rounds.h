@@ -24,6 +24,13 @@ struct Across {
   const Homes& homes; ///< of the cells of the sampler's mesh
 };
 
+/// Makes the cells of one interval, with none of other processes yet. here: of this process's
+/// cells, and of those around them; fields_of() is called once, within an agreement, and its
+/// fields become those of the cells' sampler. Collective; throws parallel::AgreedError.
+void make_far_cells(const Across& across, const query::Sampler& here, const core::Threads& threads,
+                    core::FunctionRef<std::vector<FarCells::InTime>()> fields_of,
+                    std::optional<FarCells>& cells);
+
 /// Adds particles at points that all processes have: each keeps those that its cells own, and the
 /// root those that no process has. Collective; throws parallel::AgreedError.
 void seed_across(Particles& particles, std::span<const math::Vec3d> points, double time,

@@ -3,10 +3,8 @@
 #include <bit>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "advect/across/own_boxes.h"
 #include "advect/lines/interval.h"
 #include "advect/pathlines.h"
 #include "core/status.h"
@@ -67,21 +65,9 @@ void seed_across(Particles& particles, std::span<const math::Vec3d> points, doub
 
 void bring_to_cells(Particles& particles, const query::Sampler& sampler, insitu_accuracy accuracy,
                     const Across& across, const core::Threads& threads) {
-  parallel::World& world = across.world;
-  std::vector<mesh::Box> own;
-  std::vector<std::int64_t> facts;
-  world.agree_after([&] {
-    own = own_boxes(sampler.mesh(), across.homes, threads);
-    facts = FarCells::facts(sampler, {});
-  });
-  query::Directory directory;
-  directory.gather(own, world);
-  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  const auto no_fields = [] { return std::vector<FarCells::InTime>(); };
   std::optional<FarCells> cells;
-  world.agree_after([&] {
-    cells.emplace(sampler, across.homes, std::move(directory), world.rank(),
-                  std::span<const FarCells::InTime>(), facts);
-  });
+  make_far_cells(across, sampler, threads, no_fields, cells);
   const query::Sampler& here = cells->sampler();
   Rounds rounds(across, accuracy, *cells, nullptr, particles, nullptr);
   const auto find = [&](std::size_t i) {

@@ -5,7 +5,6 @@
 
 #include "advect/across/effects_across.h"
 #include "advect/across/exits_across.h"
-#include "advect/across/own_boxes.h"
 #include "advect/integrate/integrations.h"
 #include "advect/lanes/lanes.h"
 #include "advect/lines/interval_one_by_one.h"
@@ -334,29 +333,20 @@ void Interval::run_across(parallel::World& world, FarCells& cells, FarCells* bef
 
 Advance Interval::run_across() {
   parallel::World& world = asked_.across->world;
-  std::vector<mesh::Box> own;
-  std::vector<FarCells::InTime> fields{{&velocity_, &earlier_}}, fields_before;
-  std::vector<std::int64_t> facts;
-  world.agree_after([&] {
-    if (crosses_) // they are of the cells before
-      std::ranges::fill(particles_.cells, std::int64_t(-1));
-    own = own_boxes(asked_.sampler.mesh(), asked_.across->homes, asked_.threads);
+  const auto fields_of = [&] {
+    std::vector<FarCells::InTime> fields{{&velocity_, &earlier_}};
     add_fields(effects_, fields);
-    facts = FarCells::facts(asked_.sampler, fields);
-  });
-  query::Directory directory;
-  directory.gather(own, world);
-  world.reduce(std::span(facts), parallel::Reduction::greatest);
+    return fields;
+  };
   std::optional<FarCells> cells, before;
+  make_far_cells(*asked_.across, asked_.sampler, asked_.threads, fields_of, cells);
   world.agree_after([&] {
-    cells.emplace(asked_.sampler, asked_.across->homes, std::move(directory), world.rank(), fields,
-                  facts);
     if (!crosses_)
       return;
-    fields_before.push_back({&before_->velocity});
-    add_fields(before_->drifts, fields_before);
-    before.emplace(before_->sampler, fields_before,
-                   FarCells::facts(before_->sampler, fields_before));
+    std::ranges::fill(particles_.cells, std::int64_t(-1)); // they are of the cells before
+    std::vector<FarCells::InTime> fields{{&before_->velocity}};
+    add_fields(before_->drifts, fields);
+    before.emplace(before_->sampler, fields, FarCells::facts(before_->sampler, fields));
   });
   run_across(world, *cells, before ? &*before : nullptr);
   if (asked_.exits)

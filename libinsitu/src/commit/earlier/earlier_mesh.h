@@ -58,10 +58,10 @@ public:
   /// Collective, after a change of topology: the cells of the step of all processes, also of those
   /// that had none, that lie where this one has cells now (their tree) or had some, in the order of
   /// their names, so that of several cells that hold a place the same one counts as in one process.
-  /// The sampler's outlook knows where another process had cells beyond them, and asks who is told
-  /// to it (query::Outlook::ask); until then no cell is there. here: this process's step, or null.
-  /// chart: on which the tree's cells are, or null. Throws parallel::AgreedError. Null, on all
-  /// processes, if none has a step.
+  /// The sampler's outlook knows where another process had cells beyond them, and hands questions
+  /// on to the one given to query::Outlook::ask(); before that, no cell is there. here: this
+  /// process's step, or null. chart: on which the tree's cells are, or null. Throws
+  /// parallel::AgreedError. Null, on all processes, if none has a step.
   static std::unique_ptr<EarlierMesh> gathered(const EarlierMesh* here, const accel::Tree& now,
                                                const query::ChartImage* chart,
                                                parallel::World& world, core::Memory& memory,

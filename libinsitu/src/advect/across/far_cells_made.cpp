@@ -1,10 +1,11 @@
-#include "advect/across/own_boxes.h"
+// FarCells of one interval, as all processes together make them.
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include "query/directory.h"
+#include "advect/across/rounds.h"
 
 namespace insitu::advect {
 
@@ -25,8 +26,8 @@ void widen(mesh::Box& box) {
   }
 }
 
-} // namespace
-
+/// Some boxes that hold all cells that this process owns, between the earlier and the current step:
+/// at most query::Directory::most_boxes of them, each of cells whose numbers follow each other.
 std::vector<mesh::Box> own_boxes(const mesh::MeshView& mesh, const Homes& homes,
                                  const core::Threads& threads) {
   constexpr auto most = std::int64_t(query::Directory::most_boxes);
@@ -51,6 +52,28 @@ std::vector<mesh::Box> own_boxes(const mesh::MeshView& mesh, const Homes& homes,
   std::erase_if(boxes, [](const mesh::Box& box) { return !(box.low.x <= box.high.x); });
   std::ranges::for_each(boxes, widen);
   return boxes;
+}
+
+} // namespace
+
+void make_far_cells(const Across& across, const query::Sampler& here, const core::Threads& threads,
+                    core::FunctionRef<std::vector<FarCells::InTime>()> fields_of,
+                    std::optional<FarCells>& cells) {
+  parallel::World& world = across.world;
+  std::vector<mesh::Box> own;
+  std::vector<FarCells::InTime> fields;
+  std::vector<std::int64_t> facts;
+  world.agree_after([&] {
+    own = own_boxes(here.mesh(), across.homes, threads);
+    fields = fields_of();
+    facts = FarCells::facts(here, fields);
+  });
+  query::Directory directory;
+  directory.gather(own, world);
+  world.reduce(std::span(facts), parallel::Reduction::greatest);
+  world.agree_after([&] {
+    cells.emplace(here, across.homes, std::move(directory), world.rank(), fields, facts);
+  });
 }
 
 } // namespace insitu::advect
