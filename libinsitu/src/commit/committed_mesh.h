@@ -25,6 +25,8 @@
 
 namespace insitu::commit {
 
+class AdaptiveCells;
+
 /// A registered mesh with its tree, and the policy that keeps the tree up to date.
 class CommittedMesh {
 public:
@@ -255,9 +257,13 @@ public:
   /// For a checkpoint, of a step that was kept: the cells of this process on which it is; empty
   /// where a change of topology would not leave it whole, and the cells have no global ids either.
   mesh::CellsCopy copy_earlier_cells(const core::Threads& threads) const;
-  /// And back, where the cells are others by now.
+  /// The same of an adaptive mesh, whose cells the other copy leaves out.
+  AdaptiveCells copy_earlier_adaptive() const;
+  /// And back, where the cells are others by now. is_part: other processes may have more of them.
   void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
-                            const std::optional<query::ChartImage>& on,
+                            const std::optional<query::ChartImage>& on, bool is_part,
+                            const core::Threads& threads);
+  void restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,
                             const core::Threads& threads);
   const std::optional<query::ChartImage>& earlier_chart() const { return kept_.chart; }
 

@@ -2,6 +2,8 @@
 #include <utility>
 
 #include "commit/committed_mesh.h"
+#include "commit/earlier/adaptive_cells.h"
+#include "commit/standins/adaptive.h"
 #include "mesh/registered/earlier_parts.h"
 
 namespace insitu::commit {
@@ -105,11 +107,26 @@ mesh::CellsCopy CommittedMesh::copy_earlier_cells(const core::Threads& threads) 
   return cells;
 }
 
+AdaptiveCells CommittedMesh::copy_earlier_adaptive() const {
+  const auto* const adaptive = dynamic_cast<const Adaptive*>(stand_in_.get());
+  return adaptive && kept_.with_cells ? AdaptiveCells(*adaptive, mesh_.view(), earlier_own_)
+                                      : AdaptiveCells();
+}
+
 void CommittedMesh::restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
-                                         const std::optional<query::ChartImage>& on,
+                                         const std::optional<query::ChartImage>& on, bool is_part,
                                          const core::Threads& threads) {
-  if (are_alike(on, chart()))
-    earlier_mesh_ = EarlierMesh::restored(step, std::move(cells), on, *memory_, threads);
+  if (!are_alike(on, chart()))
+    return;
+  earlier_mesh_ = EarlierMesh::restored(step, std::move(cells), on, *memory_, threads);
+  if (earlier_mesh_ && is_part)
+    earlier_mesh_->set_own({earlier_mesh_->sampler().mesh().cell_count(), {}, {}});
+}
+
+void CommittedMesh::restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,
+                                         const core::Threads& threads) {
+  if (!chart())
+    earlier_mesh_ = EarlierMesh::restored(std::move(cells), kind, is_part, *memory_, threads);
 }
 
 } // namespace insitu::commit

@@ -324,7 +324,7 @@ TEST(FlatAdaptive, GoOnFromACheckpointToTheByte) {
     };
     const std::string whole = folder / "whole";
     go(whole, 0, cycles);
-    for (const int stop : {1, regrid + 1}) {
+    for (const int stop : {1, regrid, regrid + 1}) {
       const std::string rest = folder / ("rest" + std::to_string(stop));
       go(rest, 0, stop);
       go(rest, stop, cycles);

@@ -1,5 +1,6 @@
 /// Adaptive meshes of two dimensions over processes: their files are those of one process, to the
 /// byte.
+#include "amr_meshes.h"
 #include "amr_session.h"
 
 using namespace insitu;
@@ -7,48 +8,8 @@ using namespace insitu::test;
 
 namespace {
 
-/// From 0 to 4 along x and y, in the plane z = 2.5.
-mesh::Lattice lattice_of(double spacing) {
-  return {{0, 0, 0}, {spacing, spacing, 1}, 2.5, 1};
-}
-
-/// 4 x 4 cells, of which some are refined, up to three times, so that levels beside each other
-/// differ by more than one; holes: with some left out. Leaves in Morton order.
-AmrMesh quadtree(bool holes) {
-  AmrMesh mesh;
-  mesh.lattice = lattice_of(1.0);
-  mesh.depth_of = {0, 1, 2, 3};
-  const std::function<void(int, Index)> add = [&](int level, Index at) {
-    const std::int64_t mark = at[0] * 7 + at[1] * 5 + level;
-    if (level < 3 && (level == 0 ? mark % 3 == 0 : mark % 2 == 0)) {
-      for (int o = 0; o < 4; ++o)
-        add(level + 1, {2 * at[0] + (o & 1), 2 * at[1] + (o >> 1), 0});
-      return;
-    }
-    if (!holes || mark % 11 != 3)
-      mesh.add_leaf(level, at);
-  };
-  for (std::int64_t j = 0; j < 4; ++j)
-    for (std::int64_t i = 0; i < 4; ++i)
-      add(0, {i, j, 0});
-  return mesh;
-}
-
-AmrMesh patches() {
-  AmrMesh mesh;
-  mesh.lattice = lattice_of(1.0);
-  mesh.depth_of = {0, 1, 3};
-  for (std::int64_t j = 0; j < 2; ++j)
-    for (std::int64_t i = 0; i < 2; ++i)
-      mesh.add_patch(0, {2 * i, 2 * j, 0}, {2, 2, 1});
-  mesh.add_patch(1, {2, 2, 0}, {2, 4, 1});
-  mesh.add_patch(1, {4, 2, 0}, {2, 4, 1});
-  mesh.add_patch(2, {12, 12, 0}, {8, 8, 1});
-  return mesh;
-}
-
 void expect_one(const std::string& scene, insitu_reconstruction how, std::size_t files) {
-  for (const AmrMesh& whole : {quadtree(false), quadtree(true), patches()}) {
+  for (const AmrMesh& whole : {quadtree(false), quadtree(true), flat_patches()}) {
     const auto expected = run_amr(whole, how, 1, deal_of(0, 1), scene);
     EXPECT_GE(expected.size(), files);
     for (const auto& [processes, kind] :
@@ -115,7 +76,7 @@ TEST(ProcessFlatAdaptive, ParticlesGoOnToOtherCells) {
         AmrSession process(world, quadtree(false), how, deal_of(kind, processes), scene, out);
         for (int cycle = 0; cycle < 5; ++cycle) {
           if (cycle == 2)
-            process.give(world, patches(), how, deal_of((kind + 1) % 4, processes));
+            process.give(world, flat_patches(), how, deal_of((kind + 1) % 4, processes));
           EXPECT_EQ(process.execute(cycle), "");
         }
         EXPECT_EQ(process.session().finish(), "");

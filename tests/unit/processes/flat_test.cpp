@@ -1,6 +1,7 @@
 // Flat meshes over processes: the files of one process, to the byte.
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "part_session.h"
 #include "unit/flat/flat_meshes.h"
@@ -116,16 +117,56 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
   return files_of(out);
 }
 
+std::vector<int> slabs_of(const Flat& whole, int processes) {
+  std::vector<int> process;
+  for (const auto& ring : whole.cells) {
+    const double x = whole.x[std::size_t(ring[0])];
+    process.push_back(std::min(processes - 1, std::max(0, int(processes * x / n))));
+  }
+  return process;
+}
+
+/// A run whose cells become others at a cycle; stopped before it on some processes, it goes on on
+/// others. stops: not at all where the second number is 0.
+std::map<std::string, std::string> run_over_cells(int first, int second) {
+  const std::string tracers =
+      "insitu: 1\npage: false\ntracers:\n"
+      "  - {name: paths, velocity: u, seeds: {box: {min: [1, 1, 0], max: [4, 4, 0], counts: [5, 5, "
+      "1]}}, fields: [p, c], output: [csv]}\n";
+  const Flat triangles = flat_meshes::flat_mesh(n, Kind::triangles, true),
+             quads = flat_meshes::flat_mesh(n, Kind::quads, true);
+  const OwnFolder folder;
+  const std::string out = folder / "out", state = folder / "state";
+  const auto go = [&](int processes, int from, int to) {
+    run_processes(processes, [&](parallel::World& world) {
+      std::optional<FlatPart> part;
+      with_session(world, tracers.c_str(), out, [&](api::Session& session) {
+        mesh::Mesh& mesh = session.mesh("m").mesh.mesh();
+        for (int cycle = from; cycle < to; ++cycle) {
+          if (cycle == from || cycle == 2) {
+            const Flat& whole = cycle < 2 ? triangles : quads;
+            part.emplace(whole, slabs_of(whole, processes), world.rank());
+            part->give(mesh);
+          }
+          part->give_fields(mesh, 0.37 * cycle, 0.5 * n);
+          if (cycle == from && from > 0)
+            session.restart(state);
+          EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
+        }
+        if (to == 2)
+          session.checkpoint(state);
+      });
+    });
+  };
+  go(first, 0, second ? 2 : 4);
+  if (second)
+    go(second, 2, 4);
+  return files_of(out);
+}
+
 void expect_files_of_one(Kind kind, bool moves, const std::vector<int>& numbers) {
   const Flat whole = flat_meshes::flat_mesh(n, kind, true);
-  const auto slabs = [&](int processes) {
-    std::vector<int> process;
-    for (const auto& ring : whole.cells) {
-      const double x = whole.x[std::size_t(ring[0])];
-      process.push_back(std::min(processes - 1, std::max(0, int(processes * x / n))));
-    }
-    return process;
-  };
+  const auto slabs = [&](int processes) { return slabs_of(whole, processes); };
   const auto expected = run(whole, slabs(1), 1, moves);
   EXPECT_GE(expected.size(), 12u);
   for (const int processes : numbers)
@@ -145,4 +186,15 @@ TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessToTheByte) {
 
 TEST(ProcessFlatMeshes, FilesAreThoseOfOneProcessWhereVerticesMove) {
   expect_files_of_one(Kind::triangles, true, {4});
+}
+
+/// Cells that are others at the first cycle after a restart, on as many processes and on others.
+TEST(ProcessFlatMeshes, GoOnFromACheckpointOverAChangeOfCells) {
+  const auto expected = run_over_cells(1, 0);
+  ASSERT_EQ(expected.size(), 1u);
+  EXPECT_GT(std::ranges::count(expected.begin()->second, '\n'), 60);
+  for (const auto& [first, second] :
+       {std::pair(1, 1), std::pair(1, 3), std::pair(2, 2), std::pair(3, 2), std::pair(2, 1)})
+    expect_same(expected, run_over_cells(first, second),
+                std::to_string(first) + " to " + std::to_string(second));
 }

@@ -108,6 +108,21 @@ public:
     return cells_[at].found();
   }
 
+  /// Calls f(depth, corner, found) for all, in any order.
+  template <class F>
+  void for_each(F&& f) const {
+    for (int depth = 0; depth < depth_count_; ++depth)
+      tables_[std::size_t(depth)].for_each([&](const BrickKey& key, std::uint32_t b) {
+        for (int e = 0; e < BrickStore::brick_entries; ++e) {
+          const std::int64_t corner[3] = {std::int64_t(key.x) * 8 + (e & 7),
+                                          std::int64_t(key.y) * 8 + (e >> 3 & 7),
+                                          std::int64_t(key.z) * 8 + (e >> 6)};
+          if ((bricks_[b].here[e >> 6] >> (e & 63) & 1) != 0)
+            f(depth, corner, find(depth, corner));
+        }
+      });
+  }
+
 private:
   /// Found, in five bytes side by side: mostly one line of the cache.
   class Entry {

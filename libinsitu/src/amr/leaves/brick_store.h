@@ -51,6 +51,23 @@ public:
         return slots_[s].brick;
   }
 
+  /// Calls f(key, brick) for all, in any order.
+  template <class F>
+  void for_each(F&& f) const {
+    for (const Slot& slot : slots_)
+      if (slot.brick != none)
+        f(slot.key, slot.brick);
+    std::size_t at = 0;
+    for (std::uint32_t z = 0; slots_.empty() && z < size_[2]; ++z)
+      for (std::uint32_t y = 0; y < size_[1]; ++y)
+        for (std::uint32_t x = 0; x < size_[0]; ++x, ++at)
+          if (dense_[at] != none)
+            f(BrickKey{std::int32_t(std::uint32_t(lower_.x) + x),
+                       std::int32_t(std::uint32_t(lower_.y) + y),
+                       std::int32_t(std::uint32_t(lower_.z) + z)},
+              dense_[at]);
+  }
+
 private:
   struct Slot {
     BrickKey key;

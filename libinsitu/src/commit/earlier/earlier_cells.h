@@ -6,6 +6,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "mesh/box.h"
 #include "mesh/cell_name.h"
 #include "mesh/gridlet.h"
 #include "mesh/registered/cells_copy.h"
@@ -24,6 +25,10 @@ struct Spot {
   std::uint8_t unused[2] = {0, 0};
 };
 static_assert(sizeof(Spot) == 16);
+
+/// What cells of a step that has passed are, and how they are found; those of a dual are right by
+/// construction.
+enum class CellsKind : std::int64_t { cells, dual_cells, leaves_by_places, dual_by_places };
 
 /// Some cells of a step that has passed, with all that was kept of them: as one process tells them
 /// to another, or those of several put together.
@@ -50,6 +55,8 @@ struct EarlierCells {
   /// The cells alone, those on each chart a piece. Vertices come in the order of these pieces, and
   /// so do the step's.
   mesh::CellsCopy copy(core::Memory& memory, const core::Threads& threads);
+  /// Those that meet the boxes, of cells that are of a dual or leaves by places.
+  EarlierCells in(std::span<const mesh::Box> boxes) const;
   /// Puts vertices into another order: that which is number[v] goes to v; -1: none, whose values
   /// are NaN. Ids are left as they are.
   void order_vertices(std::span<const std::int64_t> number);

@@ -93,6 +93,45 @@ std::unique_ptr<EarlierMesh> EarlierMesh::restored(const mesh::EarlierStep& step
                                        kept, 0, memory, threads);
 }
 
+/// dual: built of the cells, where these are found by their places in it.
+std::unique_ptr<EarlierMesh> EarlierMesh::of_adaptive(EarlierCells& cells, CellsKind kind,
+                                                      std::unique_ptr<GatheredDual> dual,
+                                                      bool is_flat, core::Memory& memory,
+                                                      const core::Threads& threads) {
+  using Owned = std::unique_ptr<EarlierMesh>;
+  if (kind == CellsKind::dual_by_places)
+    return Owned(new EarlierMesh(cells, std::move(dual), memory, threads));
+  if (kind == CellsKind::leaves_by_places)
+    return Owned(new EarlierMesh(cells, std::make_unique<GatheredLeaves>(cells, memory, threads),
+                                 memory, threads));
+  mesh::CellsCopy copy = cells.copy(memory, threads);
+  copy.set_flat(is_flat);
+  Owned mesh = restored(cells.step, std::move(copy), std::nullopt, memory, threads);
+  if (mesh)
+    mesh->know_sound(threads);
+  return mesh;
+}
+
+std::unique_ptr<EarlierMesh> EarlierMesh::restored(EarlierCells cells, CellsKind kind, bool is_part,
+                                                   core::Memory& memory,
+                                                   const core::Threads& threads) {
+  auto told = is_part ? std::make_unique<EarlierCells>(cells) : nullptr;
+  std::unique_ptr<GatheredDual> dual;
+  if (kind == CellsKind::dual_by_places) {
+    dual = std::make_unique<GatheredDual>(memory);
+    dual->build(cells, threads);
+  }
+  const bool is_flat = cells.lattice.is_flat != 0;
+  std::unique_ptr<EarlierMesh> mesh =
+      of_adaptive(cells, kind, std::move(dual), is_flat, memory, threads);
+  if (mesh) {
+    mesh->own_.cells = mesh->view_->cell_count();
+    mesh->told_ = std::move(told);
+    mesh->told_kind_ = kind;
+  }
+  return mesh;
+}
+
 std::optional<mesh::FieldView> EarlierMesh::field(const std::string& name) const {
   for (const auto& field : step_.fields)
     if (field->name == name)

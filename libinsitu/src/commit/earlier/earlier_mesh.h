@@ -23,7 +23,10 @@ namespace insitu::commit {
 
 class Adaptive;
 class GatheredAdaptive;
+class GatheredDual;
+struct DualReach;
 struct EarlierCells;
+enum class CellsKind : std::int64_t;
 
 /// The step before a change of topology, whole: cells, vertices, tree and fields, none of them the
 /// solver's. It is there until particles have gone from it to the cells that follow.
@@ -72,6 +75,10 @@ public:
   static std::unique_ptr<EarlierMesh> restored(const mesh::EarlierStep& step, mesh::CellsCopy cells,
                                                const std::optional<query::ChartImage>& chart,
                                                core::Memory& memory, const core::Threads& threads);
+  /// The same of adaptive cells. is_part: other processes may have more, so that these are for
+  /// gathered() alone.
+  static std::unique_ptr<EarlierMesh> restored(EarlierCells cells, CellsKind kind, bool is_part,
+                                               core::Memory& memory, const core::Threads& threads);
 
   /// Its counts are no mesh's.
   query::Sampler sampler() const {
@@ -105,6 +112,12 @@ private:
               const core::Threads& threads);
   static std::vector<std::unique_ptr<mesh::EarlierField>>
   fields_of(const mesh::EarlierStep& step, const mesh::MeshView& view, core::Memory& memory);
+  static std::unique_ptr<EarlierMesh> of_adaptive(EarlierCells& cells, CellsKind kind,
+                                                  std::unique_ptr<GatheredDual> dual, bool is_flat,
+                                                  core::Memory& memory,
+                                                  const core::Threads& threads);
+  CellsKind kind() const;
+  DualReach reach() const;
   // Of several processes: gathered_cells.cpp.
   const Adaptive* adaptive() const;
   void know_sound(const core::Threads& threads);
@@ -127,6 +140,8 @@ private:
   std::optional<query::SoundCells> sound_; ///< not of cells that were made, here or elsewhere
   query::OnDemand on_demand_;
   Own own_;
+  std::unique_ptr<EarlierCells> told_; ///< of a checkpoint: what this process has of the mesh
+  CellsKind told_kind_{};
   std::shared_ptr<const query::Outlook> beyond_; ///< of cells that were gathered
 };
 

@@ -71,13 +71,38 @@ bool meets_any(const mesh::Box& box, std::span<const mesh::Box> boxes) {
 
 } // namespace
 
-void add_places(const Adaptive& mesh, std::span<const std::int64_t> cells,
-                std::span<const mesh::Box> boxes, EarlierCells& to) {
+/// Of the dual's cells behind gridlets, where their places are not kept: at which corners, if at
+/// any.
+static std::vector<Spot> corner_spots(const amr::CornerMap& corners, const mesh::MeshView& view) {
+  std::vector<Spot> spots(std::size_t(view.pieces[1].cell_count), Spot{{}, 0, 0});
+  corners.for_each([&](int depth, const std::int64_t* corner, const amr::CornerMap::Found& found) {
+    if (!found.is_here())
+      return;
+    Spot& spot = spots[found.cell] = spot_of(depth, corner);
+    spot.kind = found.kind.code;
+  });
+  return spots;
+}
+
+mesh::Box box_of(const mesh::Lattice& lattice, const Spot& leaf) {
+  const std::int64_t index[3] = {leaf.index[0], leaf.index[1], leaf.index[2]};
+  return box_of(lattice, leaf.depth, index, 1);
+}
+
+CellsKind kind_of(const Adaptive& mesh) {
+  const DualCells* const dual = mesh.dual_cells();
+  return !dual                         ? CellsKind::leaves_by_places
+         : dual->dual().has_gridlets() ? CellsKind::dual_by_places
+                                       : CellsKind::dual_cells;
+}
+
+void add_places(const Adaptive& mesh, const mesh::MeshView& view,
+                std::span<const std::int64_t> cells, std::span<const mesh::Box> boxes,
+                EarlierCells& to) {
   const amr::LeafMap& map = mesh.leaves();
   const DualCells* const of = mesh.dual_cells();
   to.lattice = map.lattice();
   if (!of) {
-    const mesh::MeshView& view = mesh.kept_view();
     for (const std::int64_t flat : cells) {
       const std::int32_t p = view.piece_of(flat);
       const mesh::AmrView& all = *view.pieces[p].leaves->mesh;
@@ -108,8 +133,13 @@ void add_places(const Adaptive& mesh, std::span<const std::int64_t> cells,
     }
   }
   const amr::DualMesh& dual = of->dual();
-  const mesh::MeshView& view = dual.view();
+  const std::vector<Spot> at_corners =
+      mesh.is_shared() ? std::vector<Spot>() : corner_spots(dual.corners(), view);
   for (const std::int64_t flat : cells) {
+    if (!mesh.is_shared() && flat >= view.first_cell[1]) {
+      to.spots.push_back(at_corners[std::size_t(flat - view.first_cell[1])]);
+      continue;
+    }
     const amr::CellPlace place = dual.place(flat);
     Spot& spot = to.spots.emplace_back(Spot{{}, place.depth, 0});
     std::int64_t corner[3];
@@ -262,10 +292,10 @@ void GatheredDual::set_views(const EarlierCells& from) {
   view_.free_of_folds = view_.covers_once = true;
 }
 
-void GatheredDual::share(const DualCells* here, parallel::World& world) {
-  if (here) {
-    corners_.reach_as(here->dual().corners());
-    places_.reach_as(here->places());
+void GatheredDual::share(const DualReach& here, parallel::World& world) {
+  if (here.corners) {
+    corners_.reach_as(*here.corners);
+    places_.reach_as(*here.places);
   }
   corners_.share(world);
   places_.share_farthest(world);

@@ -14,12 +14,19 @@
 
 namespace insitu::commit {
 
+/// What is told of all cells of a dual; null: of no cells that are found by their places.
+struct DualReach {
+  const amr::CornerMap* corners = nullptr;
+  const query::GridletPlaces* places = nullptr;
+};
+
 /// Cells of an adaptive mesh's step before that were gathered and are found by their places.
 class GatheredAdaptive {
 public:
   virtual ~GatheredAdaptive() = default;
   virtual const mesh::MeshView& view() const = 0;
   virtual const query::PointLocator& locator() const = 0;
+  virtual DualReach reach() const { return {}; }
   /// Who is asked first about points, where it hangs on what is gathered how they are found.
   virtual void watch_by(const query::Outlook*) {}
 };
@@ -33,12 +40,13 @@ public:
   /// from: vertices come to be in the order of view(). Throws INSITU_ERROR_MESH for more than can
   /// be numbered.
   void build(EarlierCells& from, const core::Threads& threads);
-  /// Collective: what is told of all cells becomes that of the whole dual. here: this process's
-  /// part of it, or null.
-  void share(const DualCells* here, parallel::World& world);
+  /// Collective: what is told of all cells becomes that of the whole dual. here: of this process's
+  /// part of it, or of none.
+  void share(const DualReach& here, parallel::World& world);
 
   const mesh::MeshView& view() const override { return view_; }
   const query::PointLocator& locator() const override { return locator_; }
+  DualReach reach() const override { return {&corners_, &places_}; }
   void watch_by(const query::Outlook* outlook) override { locator_.watch = outlook; }
 
 private:
@@ -97,9 +105,13 @@ private:
   query::LeafLocator locator_;
 };
 
-/// What says how an adaptive mesh's cells are found by their places: of each of `cells`, flat
-/// ids, its spot, and of a dual this process's leaves that meet the boxes. After Adaptive::keep().
-void add_places(const Adaptive& mesh, std::span<const std::int64_t> cells,
-                std::span<const mesh::Box> boxes, EarlierCells& to);
+/// What says how an adaptive mesh's cells are found by their places: of each of `cells`, flat ids
+/// of the view, its spot, and of a dual this process's leaves that meet the boxes.
+void add_places(const Adaptive& mesh, const mesh::MeshView& view,
+                std::span<const std::int64_t> cells, std::span<const mesh::Box> boxes,
+                EarlierCells& to);
+CellsKind kind_of(const Adaptive& mesh);
+/// Where a leaf lies.
+mesh::Box box_of(const mesh::Lattice& lattice, const Spot& leaf);
 
 } // namespace insitu::commit

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "commit/earlier/adaptive_cells.h"
 #include "commit/earlier/earlier_mesh.h"
 #include "commit/earlier/gathered_adaptive.h"
 #include "commit/halo/cells_near.h"
@@ -47,18 +48,6 @@ private:
 };
 
 namespace {
-
-/// What is gathered, and how it is found; dual cells are right by construction.
-enum class Kind : std::int64_t { cells, dual_cells, leaves_by_places, dual_by_places };
-
-Kind kind_of(const Adaptive* adaptive) {
-  if (!adaptive)
-    return Kind::cells;
-  const DualCells* const dual = adaptive->dual_cells();
-  return !dual                         ? Kind::leaves_by_places
-         : dual->dual().has_gridlets() ? Kind::dual_by_places
-                                       : Kind::dual_cells;
-}
 
 /// The boxes of a view's first cells that are this process's, exactly, of many that follow each
 /// other.
@@ -143,6 +132,17 @@ const Adaptive* EarlierMesh::adaptive() const {
   return dynamic_cast<const Adaptive*>(made_.get());
 }
 
+CellsKind EarlierMesh::kind() const {
+  return told_ ? told_kind_ : adaptive() ? kind_of(*adaptive()) : CellsKind::cells;
+}
+
+DualReach EarlierMesh::reach() const {
+  if (gathered_)
+    return gathered_->reach();
+  const DualCells* const dual = adaptive() ? adaptive()->dual_cells() : nullptr;
+  return dual ? DualReach{&dual->dual().corners(), &dual->places()} : DualReach{};
+}
+
 /// This process's own cells that meet the boxes, ascending.
 std::vector<std::int64_t> EarlierMesh::own_cells_in(std::span<const mesh::Box> boxes) const {
   const mesh::MeshView& view = *view_;
@@ -184,9 +184,10 @@ void EarlierMesh::tell_values(std::span<const std::int64_t> cells,
 
 /// This process's own cells that meet the boxes, with all that was kept of them.
 EarlierCells EarlierMesh::cells_in(std::span<const mesh::Box> boxes) const {
+  if (told_)
+    return told_->in(boxes);
   const mesh::MeshView& view = *view_;
   const Adaptive* const adaptive = this->adaptive();
-  const DualCells* const dual = adaptive ? adaptive->dual_cells() : nullptr;
   const std::vector<std::int64_t> cells = own_cells_in(boxes);
   EarlierCells told;
   for (const std::int64_t flat : cells) {
@@ -196,8 +197,8 @@ EarlierCells EarlierMesh::cells_in(std::span<const mesh::Box> boxes) const {
     CellName& name = told.names.emplace_back();
     const StandIn::Place at =
         own_.places.empty() ? StandIn::Place{flat} : own_.places[std::size_t(flat)];
-    if (dual)
-      name = {dual->order().number(dual->dual(), flat), -1, 0, 0};
+    if (adaptive)
+      name = name_of(*adaptive, own_, flat);
     else
       name = {own_.global.empty() ? -1 : own_.global[std::size_t(at.own)],
               -1,
@@ -228,8 +229,8 @@ EarlierCells EarlierMesh::cells_in(std::span<const mesh::Box> boxes) const {
   }
   told.step.points = std::move(points);
   tell_values(cells, vertices, told.step);
-  if (kind_of(adaptive) >= Kind::leaves_by_places)
-    add_places(*adaptive, cells, boxes, told);
+  if (kind() >= CellsKind::leaves_by_places)
+    add_places(*adaptive, view, cells, boxes, told);
   return told;
 }
 
@@ -256,10 +257,10 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
                                                    const query::ChartImage* chart,
                                                    parallel::World& world, core::Memory& memory,
                                                    const core::Threads& threads) {
-  std::int64_t facts[] = {here ? std::int64_t(kind_of(here->adaptive())) : 0, chart != nullptr,
+  std::int64_t facts[] = {here ? std::int64_t(here->kind()) : 0, chart != nullptr,
                           here && here->view_->is_flat};
   world.reduce(std::span(facts), parallel::Reduction::greatest);
-  const Kind kind = Kind(facts[0]);
+  const auto kind = CellsKind(facts[0]);
   std::optional<query::ChartImage> before;
   if (facts[1])
     before = chart_before(here ? here->chart_ : std::nullopt,
@@ -299,27 +300,22 @@ std::unique_ptr<EarlierMesh> EarlierMesh::gathered(const EarlierMesh* here, cons
     for (const Parcel& parcel : received)
       parts.push_back(EarlierCells::read(parcel));
     cells = EarlierCells::joined(parts);
-    if (kind == Kind::dual_by_places) {
+    if (kind == CellsKind::dual_by_places) {
       dual = std::make_unique<GatheredDual>(memory);
       dual->build(cells, threads);
     }
   });
   if (dual)
-    dual->share(here ? here->adaptive()->dual_cells() : nullptr, world);
+    dual->share(here ? here->reach() : DualReach{}, world);
   std::unique_ptr<EarlierMesh> mesh;
   world.agree_after([&] {
-    if (dual) {
-      mesh.reset(new EarlierMesh(cells, std::move(dual), memory, threads));
-    } else if (kind == Kind::leaves_by_places) {
-      mesh.reset(new EarlierMesh(cells, std::make_unique<GatheredLeaves>(cells, memory, threads),
-                                 memory, threads));
+    if (kind != CellsKind::cells) {
+      mesh = of_adaptive(cells, kind, std::move(dual), facts[2] != 0, memory, threads);
     } else {
       mesh::CellsCopy copy = cells.copy(memory, threads);
       copy.set_one_mesh(before.has_value());
       copy.set_flat(facts[2] != 0);
       mesh = restored(cells.step, std::move(copy), before, memory, threads);
-      if (mesh && kind == Kind::dual_cells)
-        mesh->know_sound(threads);
     }
     if (!mesh)
       return;

@@ -169,7 +169,7 @@ query::Location Adaptive::own_here(const query::Location& at, const math::Vec3d&
 std::optional<StandIn::MadeCell> Adaptive::made_cell(std::int64_t flat) const {
   if (!dual_ || !is_before_)
     return std::nullopt;
-  return MadeCell{dual_->order().number(dual_->dual(), flat), dual_->first_leaf(flat, is_before_)};
+  return MadeCell{number(flat), dual_->first_leaf(flat, is_before_)};
 }
 
 std::int64_t Adaptive::find_made(std::int64_t number) const {

@@ -54,8 +54,12 @@ public:
   /// Null by `nearest`.
   const DualCells* dual_cells() const { return dual_.get(); }
   const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
-  /// By `nearest`, after keep().
-  const mesh::MeshView& kept_view() const { return kept_->view(); }
+  /// Whether other processes have more of the mesh.
+  bool is_shared() const { return bool(is_before_); }
+  /// Of a cell of the dual: numbers ascend with the ids, alike on all processes.
+  std::int64_t number(std::int64_t flat) const {
+    return is_before_ ? dual_->order().number(dual_->dual(), flat) : flat;
+  }
   /// Ids of leaves below are this process's.
   std::int64_t own_cells() const { return own_cells_; }
   std::optional<Held> held() const override;

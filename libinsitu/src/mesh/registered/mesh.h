@@ -279,6 +279,10 @@ private:
   bool points_stand(const MeshView& now) const;
   bool kept_fits(const MeshView& now) const;
   void make_earlier_points(const core::Threads& threads);
+  /// Cells on lattices, and those of a dual: where they are needs no copy.
+  bool has_still_vertices() const {
+    return is_adaptive() || (stand_in_ && !stand_in_->solver_view());
+  }
   void add_halo();
   void set_views();
   EarlierField& earlier_field_for(const std::string& name, insitu_association association,

@@ -24,7 +24,8 @@ void EarlierStep::keep(core::Archive& archive) {
 
 EarlierStep Mesh::copy_earlier() const {
   EarlierStep out;
-  const MeshView own = own_part(view()); // what is behind it is copied from its owners
+  // What is behind it is copied from its owners; an adaptive mesh of the same cells has it all.
+  const MeshView own = is_adaptive() ? view() : own_part(view());
   for (const auto& field : earlier_fields_) {
     out.fields.push_back({field->name, field->association, field->components, {}});
     const std::int64_t values =
@@ -94,7 +95,7 @@ bool EarlierStep::fits(const MeshView& mesh, std::int64_t point_count) const {
 
 bool Mesh::set_earlier(const EarlierStep& step) {
   const MeshView& now = view();
-  if (!step.fits(now, stand_in_ && !stand_in_->solver_view() ? 0 : now.vertex_count()))
+  if (!step.fits(now, has_still_vertices() ? 0 : now.vertex_count()))
     return false;
   release_earlier();
   for (const EarlierStep::Field& field : step.fields) {

@@ -33,7 +33,7 @@ std::int64_t axis_values(const MeshView& mesh) {
 
 std::int64_t Mesh::earlier_points_bytes() const {
   const MeshView& now = view();
-  if (stand_in_ && !stand_in_->solver_view())
+  if (has_still_vertices())
     return 0;
   return is_implicit(now) ? axis_values(now) * std::int64_t(sizeof(double))
                           : now.vertex_count() * std::int64_t(sizeof(math::Vec3d));
@@ -111,7 +111,7 @@ void Mesh::keep_earlier(const std::vector<KeptField>& fields, const core::Thread
                            });
     }
   }
-  if (stand_in_ && !stand_in_->solver_view()) // its vertices stay where they are
+  if (has_still_vertices())
     return;
   earlier_blocks_.clear();
   if (is_implicit(now)) {
@@ -205,7 +205,7 @@ bool Mesh::points_stand(const MeshView& current) const {
 
 bool Mesh::show_earlier(const core::Threads& threads) {
   hide_earlier();
-  if (stand_in_ && !stand_in_->solver_view())
+  if (has_still_vertices())
     return false;
   MeshView& current = shown();
   if (!kept_fits(current) || (!earlier_blocks_.empty() && axes_stand(current)))

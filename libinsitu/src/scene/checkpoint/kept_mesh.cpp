@@ -1,6 +1,7 @@
 #include "scene/checkpoint/kept_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #include "mesh/registered/earlier_parts.h"
@@ -35,6 +36,47 @@ mesh::Box box_of(const mesh::MeshView& mesh, const core::Threads& threads) {
   return box;
 }
 
+/// add(cell, hash): the hash with a cell.
+template <class F>
+std::uint64_t hash_of_cells(std::int64_t count, const core::Threads& threads, F&& add) {
+  constexpr std::int64_t grain = 1 << 16;
+  std::vector<std::uint64_t> parts(std::size_t((count + grain - 1) / grain), basis);
+  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
+    std::uint64_t hash = basis;
+    for (std::int64_t c = begin; c < end; ++c)
+      hash = add(c, hash);
+    parts[std::size_t(begin / grain)] = hash;
+  });
+  std::uint64_t hash = mix(basis, std::uint64_t(count));
+  for (const std::uint64_t part : parts)
+    hash = mix(hash, part);
+  return hash;
+}
+
+/// Of the own cells' places, and of what else says which cells of the dual there are.
+std::uint64_t hash_of(const mesh::AmrView& mesh, insitu_reconstruction how,
+                      const core::Threads& threads) {
+  std::uint64_t hash =
+      hash_of_cells(mesh.own_cell_count(), threads, [&](std::int64_t flat, std::uint64_t before) {
+        const auto piece =
+            std::upper_bound(mesh.first_cell, mesh.first_cell + mesh.piece_count + 1, flat) -
+            mesh.first_cell - 1;
+        const mesh::AmrCell cell = mesh.cell(mesh.pieces[piece], flat - mesh.first_cell[piece]);
+        before = mix(before, std::uint64_t(piece) << 8 | std::uint64_t(cell.depth));
+        for (const std::int64_t i : cell.index)
+          before = mix(before, std::uint64_t(i));
+        return before;
+      });
+  const mesh::Lattice& lattice = mesh.lattice;
+  for (const double x :
+       {lattice.origin[0], lattice.origin[1], lattice.origin[2], lattice.spacing[0],
+        lattice.spacing[1], lattice.spacing[2], lattice.plane, double(lattice.is_flat)})
+    hash = mix(hash, std::bit_cast<std::uint64_t>(x));
+  for (std::int32_t p = 0; p < mesh.piece_count - mesh.halo_piece_count; ++p)
+    hash = mix(hash, mesh.pieces[p].ghost_faces);
+  return mix(hash, std::uint64_t(how));
+}
+
 /// Copies what is kept of own cells to the processes that have these in their halo.
 void fill_halo(mesh::EarlierStep& step, const commit::CommittedMesh& mesh, parallel::World& world) {
   if (!mesh.halo())
@@ -55,11 +97,12 @@ KeptPart::KeptPart(const commit::CommittedMesh& mesh, core::Memory& memory,
     : sum(commit::sum_of_cells(mesh, threads)), unguided(mesh.unguided()),
       step(mesh.mesh().copy_earlier()), cells(memory), chart(mesh.earlier_chart()) {
   const mesh::MeshView own = mesh::own_part(mesh.mesh().view());
-  fingerprint = scene::fingerprint(own, threads);
+  fingerprint = scene::fingerprint(mesh, threads);
   box = box_of(own, threads);
   if (step.fields.empty())
     return;
   cells = mesh.copy_earlier_cells(threads);
+  adaptive = mesh.copy_earlier_adaptive();
   ids = commit::ids_of_cells(mesh);
 }
 
@@ -67,12 +110,16 @@ KeptPart::KeptPart(const commit::CommittedMesh& mesh, core::Memory& memory,
 bool KeptPart::is_of(const commit::CommittedMesh& mesh, bool is_part,
                      const core::Threads& threads) const {
   const mesh::MeshView own = mesh::own_part(mesh.mesh().view());
-  if (scene::fingerprint(own, threads) != fingerprint)
+  if (scene::fingerprint(mesh, threads) != fingerprint)
     return false;
   if (!is_part)
     return true;
   return commit::sum_of_cells(mesh, threads) == sum &&
          (own.vertex_count() == 0 || box.holds(box_of(own, threads).middle()));
+}
+
+bool KeptPart::lacks_cells() const {
+  return !step.fields.empty() && cells.empty() && adaptive.empty();
 }
 
 void KeptPart::keep(core::Archive& archive) {
@@ -83,6 +130,7 @@ void KeptPart::keep(core::Archive& archive) {
   archive.value("unguided points", unguided);
   step.keep(archive);
   cells.keep(archive);
+  adaptive.keep(archive);
   archive.array("global ids", ids);
   bool has_chart = chart.has_value();
   archive.value("has a chart", has_chart);
@@ -102,27 +150,32 @@ void KeptPart::keep(core::Archive& archive) {
 struct KeptMesh::Found {
   bool same_numbers, same_ids;
   bool has_step; ///< some process kept fields
+  bool is_adaptive;
+  bool has_cells; ///< all that kept fields kept the cells, too, on which particles can go on
 };
 
 KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::World& world,
                                   const core::Threads& threads) const {
   const bool by_ids = name_cells(mesh.mesh(), world).global;
-  std::int64_t any[4] = {}; // other cells; cells without ids here, and there; fields
+  // Other cells; cells without ids here, and there; fields; adaptive; lost cells.
+  std::int64_t any[6] = {};
   std::int64_t sums[2] = {};
   world.agree_after([&] {
     any[0] = world.size() != processes ||
              (!parts.empty() && !parts.front().kept.is_of(mesh, world.size() > 1, threads));
     any[1] = !by_ids || mesh.stand_in();
+    any[4] = mesh.mesh().is_adaptive();
     sums[0] = std::int64_t(commit::sum_of_cells(mesh, threads));
     for (const Part& part : parts) {
       any[2] = any[2] || (!part.kept.step.fields.empty() && part.kept.ids.empty());
       any[3] = any[3] || !part.kept.step.fields.empty();
+      any[5] = any[5] || part.kept.lacks_cells() || (part.kept.chart && world.size() > 1);
       sums[1] = std::int64_t(std::uint64_t(sums[1]) + part.kept.sum);
     }
   });
   world.reduce(any, parallel::Reduction::greatest);
   world.reduce(sums, parallel::Reduction::sum);
-  return {!any[0], !any[1] && !any[2] && sums[0] == sums[1], any[3] != 0};
+  return {!any[0], !any[1] && !any[2] && sums[0] == sums[1], any[3] != 0, any[4] != 0, !any[5]};
 }
 
 KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& world,
@@ -136,14 +189,14 @@ KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& wo
         mesh.restore_unguided(parts.front().kept.unguided);
     });
     if (found.has_step)
-      restore_by_numbers(mesh, world);
+      restore_by_numbers(mesh, found.is_adaptive, world);
     return KeptCells::By::numbers;
   }
   if (found.same_ids && (!found.has_step || restore_by_ids(mesh, world)))
     return KeptCells::By::ids;
-  if (world.size() == 1)
-    restore_other_cells(mesh, threads);
-  else if (found.has_step && world.is_root())
+  if (found.has_cells)
+    world.agree_after([&] { restore_other_cells(mesh, world.size() > 1, threads); });
+  else if (found.has_step && world.size() > 1 && world.is_root())
     log.warning("mesh '" + name +
                 "': its cells are not known again after the restart, for want of the same global "
                 "ids or of as many processes with the same cells; particles go through their first "
@@ -159,7 +212,9 @@ const mesh::EarlierStep* KeptMesh::some_step() const {
   return nullptr;
 }
 
-void KeptMesh::restore_by_numbers(commit::CommittedMesh& mesh, parallel::World& world) {
+/// Of an adaptive mesh the step is whole, with what is around each process's cells.
+void KeptMesh::restore_by_numbers(commit::CommittedMesh& mesh, bool is_adaptive,
+                                  parallel::World& world) {
   const mesh::EarlierStep* const mine = some_step();
   mesh::EarlierStep step = commit::fields_of_all(mine, world);
   std::int64_t is_unfit = 0;
@@ -167,13 +222,14 @@ void KeptMesh::restore_by_numbers(commit::CommittedMesh& mesh, parallel::World& 
     is_unfit = (mine && !mesh::have_same_fields(*mine, step)) || (world.size() > 1 && !mesh.halo());
     if (mine)
       step = *mine;
-    if (mesh.halo())
+    if (mesh.halo() && !is_adaptive)
       mesh::resize(step, mesh.mesh().view());
   });
   world.reduce(std::span(&is_unfit, 1), parallel::Reduction::greatest);
   if (is_unfit)
     return;
-  fill_halo(step, mesh, world);
+  if (!is_adaptive)
+    fill_halo(step, mesh, world);
   world.agree_after([&] {
     if (mine)
       mesh.mesh().set_earlier(step);
@@ -202,35 +258,43 @@ bool KeptMesh::restore_by_ids(commit::CommittedMesh& mesh, parallel::World& worl
   return true;
 }
 
-/// On the checkpoint's cells, of one process. Of an adaptive mesh with other cells it is lost.
-void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, const core::Threads& threads) {
+/// On the checkpoint's cells. is_part: other processes have other parts.
+void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part,
+                                   const core::Threads& threads) {
+  std::vector<commit::EarlierCells> adaptive;
+  auto kind = commit::CellsKind::cells;
+  for (const Part& part : parts)
+    if (!part.kept.adaptive.empty()) {
+      kind = part.kept.adaptive.kind();
+      adaptive.push_back(part.kept.adaptive.with(part.kept.step, part.process));
+    }
+  if (!adaptive.empty())
+    return mesh.restore_earlier_mesh(commit::EarlierCells::joined(adaptive), kind, is_part,
+                                     threads);
+  if (!some_step())
+    return;
   KeptPart& first = parts.front().kept;
   for (std::size_t i = 1; i < parts.size(); ++i) {
     mesh::append(first.step, parts[i].kept.step);
     first.cells.append(parts[i].kept.cells);
   }
-  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, threads);
+  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, is_part, threads);
 }
 
-std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads) {
-  constexpr std::int64_t grain = 1 << 16;
-  const std::int64_t count = mesh.cell_count();
-  std::vector<std::uint64_t> parts(std::size_t((count + grain - 1) / grain), basis);
-  threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
-    std::uint64_t hash = basis;
-    mesh::CellVertices cell;
-    for (std::int64_t c = begin; c < end; ++c) {
-      mesh::gather(mesh, c, cell);
-      hash = mix(hash, std::uint64_t(cell.shape) << 32 | std::uint64_t(cell.piece));
-      for (int v = 0; v < cell.count; ++v)
-        hash = mix(hash, std::uint64_t(cell.ids[v]));
-    }
-    parts[std::size_t(begin / grain)] = hash;
-  });
-  std::uint64_t hash = mix(basis, std::uint64_t(count));
-  for (const std::uint64_t part : parts)
-    hash = mix(hash, part);
-  return mix(hash, std::uint64_t(mesh.first_vertex[mesh.piece_count]));
+std::uint64_t fingerprint(const commit::CommittedMesh& mesh, const core::Threads& threads) {
+  if (mesh.mesh().is_adaptive())
+    return hash_of(mesh.mesh().adaptive(), mesh.mesh().reconstruction(), threads);
+  const mesh::MeshView own = mesh::own_part(mesh.mesh().view());
+  const std::uint64_t hash =
+      hash_of_cells(own.cell_count(), threads, [&](std::int64_t flat, std::uint64_t before) {
+        mesh::CellVertices cell;
+        mesh::gather(own, flat, cell);
+        before = mix(before, std::uint64_t(cell.shape) << 32 | std::uint64_t(cell.piece));
+        for (int v = 0; v < cell.count; ++v)
+          before = mix(before, std::uint64_t(cell.ids[v]));
+        return before;
+      });
+  return mix(hash, std::uint64_t(own.vertex_count()));
 }
 
 } // namespace insitu::scene

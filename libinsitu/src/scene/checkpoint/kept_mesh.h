@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "commit/committed_mesh.h"
+#include "commit/earlier/adaptive_cells.h"
 #include "core/archive.h"
 #include "mesh/box.h"
 #include "mesh/registered/cells_copy.h"
@@ -29,11 +30,14 @@ struct KeptPart {
   std::int64_t unguided = 0;              ///< commit::CommittedMesh::unguided()
   mesh::EarlierStep step;                 ///< of own cells
   mesh::CellsCopy cells;                  ///< those of the step, or none
+  commit::AdaptiveCells adaptive;         ///< those of an adaptive mesh's step
   std::vector<std::int64_t> ids;          ///< the global ids of the step's cells, or none
   std::optional<query::ChartImage> chart; ///< of a geodetic mesh: where its cells are
 
   /// Whether the mesh has these cells, by their numbers. is_part: of several processes.
   bool is_of(const commit::CommittedMesh& mesh, bool is_part, const core::Threads& threads) const;
+  /// Whether fields were kept, and not the cells that they are on.
+  bool lacks_cells() const;
   /// To a checkpoint or back.
   void keep(core::Archive& archive);
 };
@@ -50,9 +54,9 @@ struct KeptMesh {
   std::vector<Part> parts;
 
   /// Gives the mesh the step before, as far as its cells are known again: those with the numbers
-  /// that they had, where as many processes have the same ones; else by their global ids; of one
-  /// process else on the checkpoint's cells, from which particles go on to the mesh's. Returns how
-  /// cells are known, and tells the log what is lost. Collective; throws parallel::AgreedError.
+  /// that they had, where as many processes have the same ones; else by their global ids; else on
+  /// the checkpoint's cells, from which particles go on to the mesh's. Returns how cells are known,
+  /// and tells the log what is lost. Collective; throws parallel::AgreedError.
   KeptCells::By restore(commit::CommittedMesh& mesh, parallel::World& world,
                         const core::Threads& threads, const core::Log& log);
 
@@ -61,13 +65,14 @@ private:
   Found look_at(const commit::CommittedMesh& mesh, parallel::World& world,
                 const core::Threads& threads) const;
   const mesh::EarlierStep* some_step() const;
-  void restore_by_numbers(commit::CommittedMesh& mesh, parallel::World& world);
+  void restore_by_numbers(commit::CommittedMesh& mesh, bool is_adaptive, parallel::World& world);
   bool restore_by_ids(commit::CommittedMesh& mesh, parallel::World& world);
-  void restore_other_cells(commit::CommittedMesh& mesh, const core::Threads& threads);
+  void restore_other_cells(commit::CommittedMesh& mesh, bool is_part, const core::Threads& threads);
 };
 
-/// A hash of the shapes and vertices of own cells in their order (FNV-1a): two meshes of the same
-/// fingerprint have, but for a chance of 2^-64, the same topology.
-std::uint64_t fingerprint(const mesh::MeshView& mesh, const core::Threads& threads);
+/// A hash of the shapes and vertices of own cells in their order (FNV-1a), of an adaptive mesh of
+/// their places: two meshes of the same fingerprint have, but for a chance of 2^-64, the same
+/// topology.
+std::uint64_t fingerprint(const commit::CommittedMesh& mesh, const core::Threads& threads);
 
 } // namespace insitu::scene
