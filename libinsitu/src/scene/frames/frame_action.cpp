@@ -39,6 +39,17 @@ public:
   void execute(commit::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
+    if (!note_.again(step)) {
+      next_camera_ = 0;
+      drawn_image_.reset();
+      is_drawn_ = false;
+    }
+    if (is_drawn_)
+      write_image();
+    if (next_camera_ == cameras_.size()) {
+      ++drawn_;
+      return;
+    }
     if (environment_.world.size() > 1)
       return execute_on_all(own, step);
     const core::Timer timer;
@@ -213,8 +224,8 @@ private:
       if (drawn.settings.path_tracing)
         drawn.settings.path_tracing->cycle = std::uint64_t(drawing.step.cycle);
     environment_.statistics.render_s += began.seconds();
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-      draw(drawing, i);
+    while (next_camera_ < cameras_.size())
+      draw(drawing, next_camera_);
     ++drawn_;
   }
 
@@ -293,6 +304,8 @@ private:
       if (environment_.world.is_root())
         show(drawing, number, ticks, done, images);
     });
+    is_drawn_ = true;
+    write_image();
   }
 
   /// Sets what follows the camera.
@@ -310,7 +323,7 @@ private:
     }
   }
 
-  /// Draws over an image, and writes the files.
+  /// Draws over an image, which is then to be written.
   void show(const Drawing& drawing, std::size_t number, const output::BoxTicks& ticks,
             const render::FrameStatistics& done, render::FrameImages& images) {
     const core::Timer timer;
@@ -328,7 +341,22 @@ private:
         if (cell >= 0)
           cell = own.global_id(INSITU_CELL, cell);
     environment_.statistics.render_s += timer.seconds();
-    write(drawing, cameras_[number].name, images);
+    drawn_image_.emplace(DrawnImage{std::move(images), row_of(drawing, cameras_[number].name)});
+  }
+
+  /// Writes the files of the next camera, which is drawn.
+  void write_image() {
+    environment_.world.agree_after([&] {
+      if (!environment_.world.is_root())
+        return;
+      const core::Timer timer;
+      write_frame_files(frame_, environment_, drawn_image_->images, drawn_image_->row);
+      environment_.statistics.output_s += timer.seconds();
+      ++environment_.statistics.frames;
+    });
+    drawn_image_.reset();
+    is_drawn_ = false;
+    ++next_camera_;
   }
 
   void warn(const render::FrameStatistics& done, const Drawing& drawing) {
@@ -354,8 +382,8 @@ private:
           " bounces; a larger max_bounces loses less light");
   }
 
-  void write(const Drawing& drawing, const std::string& camera, const render::FrameImages& images) {
-    const core::Timer timer;
+  /// What the rows of a camera's files have in common.
+  CinemaRow row_of(const Drawing& drawing, const std::string& camera) const {
     CinemaRow row;
     row.cycle = drawing.step.cycle;
     row.time = drawing.step.time;
@@ -363,9 +391,7 @@ private:
     row.camera = camera;
     row.view = drawing.first().settings.camera;
     row.ranges = ranges_of(frame_, drawing);
-    write_frame_files(frame_, environment_, images, row);
-    environment_.statistics.output_s += timer.seconds();
-    ++environment_.statistics.frames;
+    return row;
   }
 
   Frame frame_;
@@ -374,6 +400,16 @@ private:
   std::vector<NamedCamera> cameras_;
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
+  // How far the step came, so that it goes on there where it comes again: an image that is drawn
+  // and cannot be written is not drawn anew.
+  struct DrawnImage {
+    render::FrameImages images;
+    CinemaRow row;
+  };
+  StepNote note_;
+  std::size_t next_camera_ = 0;
+  bool is_drawn_ = false;                      ///< the next camera's image
+  std::optional<DrawnImage> drawn_image_;      ///< that image, at the root
   bool told_unheld_ = false;                   ///< that a tolerance is not held
   /// By layer: that the mesh has no cell, since it last had one.
   std::vector<bool> told_nothing_;
