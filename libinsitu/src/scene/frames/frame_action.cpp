@@ -14,6 +14,7 @@
 #include "scene/frames/frame_on_all.h"
 #include "scene/frames/frame_plan.h"
 #include "scene/frames/frame_settings.h"
+#include "scene/frames/frame_warnings.h"
 #include "scene/frames/path_accumulation.h"
 #include "scene/run/lookup.h"
 #include "scene/run/step.h"
@@ -26,7 +27,7 @@ class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
       : frame_(frame), environment_(environment), settings_(frame_, environment_),
-        cameras_(cameras_of(frame_)), told_nothing_(frame_.layers.size()) {
+        cameras_(cameras_of(frame_)), warnings_(frame_, environment_.context.log) {
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
       for (std::size_t i = 0; i < cameras_.size(); ++i)
         accumulations_.emplace_back(environment_.context.memory);
@@ -100,11 +101,12 @@ private:
       commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
       const bool has_cells =
           !mesh.tree().empty() && mesh.sampler().facts(&environment_.context.threads).cells > 0;
-      if (has_cells)
+      if (has_cells) {
         meshes.push_back({i, &own, &mesh});
-      else
-        note_nothing_drawn(mesh, i, step);
-      told_nothing_[i] = !has_cells;
+        warnings_.drawn(i);
+      } else {
+        warnings_.nothing_drawn(mesh, i, step, true);
+      }
     }
     return meshes;
   }
@@ -143,7 +145,7 @@ private:
     }
     world.agree_after([&] {
       make_settings(drawing);
-      note_exact(drawing);
+      warnings_.exact(drawing, world.is_root());
     });
     draw(std::move(drawing), timer);
   }
@@ -161,7 +163,7 @@ private:
           own = &find_host_mesh(step.meshes, frame_.layers[i].mesh, environment_.scene_file);
         });
       if (frame_.layers.size() > 1 && cells_of_all(own->mesh(), world) == 0) {
-        note_left_out(*own, i, step);
+        warnings_.nothing_drawn(*own, i, step, world.is_root());
         continue;
       }
       own->update_chart(world, environment_.context.threads, environment_.context.log);
@@ -193,17 +195,12 @@ private:
     for (const DrawnMesh& drawn : drawing.meshes) {
       know_whole_facts(*drawn.mesh, environment_);
       if (is_bare(drawn))
-        note_left_out(*drawn.mesh, drawn.layer, drawing.step);
+        warnings_.nothing_drawn(*drawn.mesh, drawn.layer, drawing.step,
+                                environment_.world.is_root());
       else
-        told_nothing_[drawn.layer] = false;
+        warnings_.drawn(drawn.layer);
     }
     std::erase_if(drawing.meshes, is_bare);
-  }
-
-  void note_left_out(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
-    if (environment_.world.is_root())
-      note_nothing_drawn(mesh, layer, step);
-    told_nothing_[layer] = true;
   }
 
   void make_settings(Drawing& drawing) const {
@@ -260,29 +257,6 @@ private:
     return *drawn;
   }
 
-  /// A mesh without cells, or one that hides them all, is no error: a solver's cells may come
-  /// later.
-  void note_nothing_drawn(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
-    if (!told_nothing_[layer])
-      environment_.context.log.warning(
-          "cycle " + std::to_string(step.cycle) + ": frame '" + frame_.name + "': mesh '" +
-          mesh.mesh().name() + "' has no cell that could be drawn; " +
-          (frame_.layers.size() > 1 ? "it is left out" : "no image is written") + " until it has");
-  }
-
-  void note_exact(const Drawing& drawing) {
-    std::vector<const render::FrameSettings*> settings;
-    for (const DrawnMesh& drawn : drawing.meshes)
-      settings.push_back(&drawn.settings);
-    const char* const why = render::why_exact(settings);
-    if (!why || told_exact_ || frame_.compositing == render::Compositing::exact)
-      return;
-    told_exact_ = true;
-    if (environment_.world.is_root())
-      environment_.context.log.warning("cycle " + std::to_string(drawing.step.cycle) + ": frame '" +
-                                       frame_.name + "': its compositing is 'exact', as " + why);
-  }
-
   void draw(Drawing& drawing, std::size_t number) {
     const core::Timer timer;
     const DrawnMesh& first = drawing.first();
@@ -327,7 +301,7 @@ private:
   void show(const Drawing& drawing, std::size_t number, const output::BoxTicks& ticks,
             const render::FrameStatistics& done, render::FrameImages& images) {
     const core::Timer timer;
-    warn(done, drawing);
+    warnings_.image(done, drawing);
     draw_overlays(frame_, drawing, ticks, images.color);
     const DrawnMesh& first = drawing.first();
     if (drawing.decisions.own_cells && drawing.parts.empty())
@@ -359,29 +333,6 @@ private:
     ++next_camera_;
   }
 
-  void warn(const render::FrameStatistics& done, const Drawing& drawing) {
-    const std::string of =
-        "frame '" + frame_.name + "', cycle " + std::to_string(drawing.step.cycle) + ": ";
-    if (done.unheld > 0 && !told_unheld_) {
-      told_unheld_ = true;
-      char tolerance[32] = "";
-      for (const DrawnMesh& drawn : drawing.meshes)
-        if (const auto& volume = drawn.settings.volume; volume && volume->tolerance)
-          std::snprintf(tolerance, sizeof tolerance, "%g", *volume->tolerance);
-      environment_.context.log.warning(
-          of + "the volume's tolerance of " + tolerance + " is not held in " +
-          std::to_string(done.unheld) +
-          " macrocells, where the opacity makes a step or the field needs samples nearer than 1/81 "
-          "of what accuracy chooses");
-    }
-    if (done.paths.cut > 0)
-      environment_.context.log.warning(
-          of + std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
-          " paths were cut off after " +
-          std::to_string(drawing.first().settings.path_tracing->max_bounces) +
-          " bounces; a larger max_bounces loses less light");
-  }
-
   /// What the rows of a camera's files have in common.
   CinemaRow row_of(const Drawing& drawing, const std::string& camera) const {
     CinemaRow row;
@@ -410,10 +361,7 @@ private:
   std::size_t next_camera_ = 0;
   bool is_drawn_ = false;                      ///< the next camera's image
   std::optional<DrawnImage> drawn_image_;      ///< that image, at the root
-  bool told_unheld_ = false;                   ///< that a tolerance is not held
-  /// By layer: that the mesh has no cell, since it last had one.
-  std::vector<bool> told_nothing_;
-  bool told_exact_ = false;                    ///< that standard compositing is not
+  FrameWarnings warnings_;
 };
 
 } // namespace
