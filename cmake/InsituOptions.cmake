@@ -50,11 +50,14 @@ function(insitu_inlined_kernels target)
   endif()
 endfunction()
 
-# insitu_unity(target): compiles the target's C++ files in groups of one module, which takes less than half of the
-# time, as headers and templates of the standard library are worked through once a group. Files that Highway compiles
-# once for each SIMD target stay alone, and so do the named ones, whose local names others of their module have too
-# or which instantiate long templates by themselves.
-function(insitu_unity target)
+# insitu_unity(target most [apart ...]): with INSITU_UNITY, compiles the target's C++ files in groups of one module, at
+# most so many in each, which takes less than half of the time, as headers and templates of the standard library are
+# worked through once a group. Files that Highway compiles once for each SIMD target stay alone, and so do the named
+# ones, whose local names others of their module have too or which instantiate long templates by themselves.
+function(insitu_unity target most)
+  if(NOT INSITU_UNITY)
+    return()
+  endif()
   get_target_property(sources ${target} SOURCES)
   get_target_property(home ${target} SOURCE_DIR)
   foreach(source ${sources})
@@ -73,7 +76,7 @@ function(insitu_unity target)
     endif()
     list(APPEND groups_${folder} x)
     list(LENGTH groups_${folder} count)
-    math(EXPR group "${count} / 24")
+    math(EXPR group "${count} / ${most}")
     string(MAKE_C_IDENTIFIER "${folder}_${group}" name)
     set_source_files_properties(${file} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${name})
   endforeach()

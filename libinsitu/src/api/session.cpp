@@ -264,8 +264,11 @@ std::string Session::execute_live(std::int64_t cycle, double time) {
   cycle_ = cycle;
   time_ = time;
   std::string failures = run_scene(meshes, cycle, time);
-  if (const std::string failure = hold_step(meshes); !failure.empty())
+  if (const std::string failure = hold_step(meshes); !failure.empty()) {
     failures += (failures.empty() ? "" : "\n") + failure;
+    if (runner_)
+      runner_->fail_step();
+  }
   return failures;
 }
 

@@ -42,6 +42,8 @@ void Session::show(std::int64_t cycle) {
       held_.put(*step, context_.threads);
   });
   shown_ = step;
+  if (runner_)
+    runner_->show_other();
 }
 
 commit::CommittedMesh& Session::answering(SessionMesh& mesh) {

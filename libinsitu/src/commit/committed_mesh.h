@@ -246,6 +246,12 @@ public:
   void keep_earlier(const std::vector<mesh::KeptField>& fields, bool with_cells,
                     const core::Threads& threads);
   void release_earlier();
+  /// Before keep_earlier(), so that the current step can be done again: keeps what was kept so far
+  /// as well; puts it back, in place of what was kept since, if the cells are the same; releases
+  /// it.
+  void set_earlier_aside();
+  void put_earlier_back();
+  void release_aside() { aside_.reset(); }
   /// Shows the coordinates that were kept (mesh::Mesh::show_earlier), and hides them. How far
   /// vertices moved is found when the tree is asked.
   void show_earlier(const core::Threads& threads);
@@ -379,6 +385,14 @@ private:
   EarlierMesh::Own earlier_own_;            ///< of it, on several processes
   EarlierMesh::Kept kept_;                  ///< with the step
   std::unique_ptr<EarlierMesh> earlier_mesh_;
+  struct Aside {
+    mesh::StepsAside steps;
+    EarlierMesh::Own own;
+    EarlierMesh::Kept kept;
+    std::unique_ptr<EarlierMesh> mesh;
+    std::uint64_t topology_version;
+  };
+  std::optional<Aside> aside_;
   std::uint64_t own_version_ = 0, fields_version_ = 0, tree_version_ = 0, topology_version_ = 0,
                 geometry_version_ = 0;
   const CommittedMesh* copied_ = nullptr; ///< while this one becomes a copy of it

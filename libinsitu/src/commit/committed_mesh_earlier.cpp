@@ -80,6 +80,24 @@ void CommittedMesh::keep_earlier(const std::vector<mesh::KeptField>& fields, boo
   earlier_cells_.set_one_mesh(mesh_.view().one_mesh);
 }
 
+void CommittedMesh::set_earlier_aside() {
+  aside_.reset();
+  aside_.emplace(Aside{mesh_.set_earlier_aside(), earlier_own_, kept_, std::move(earlier_mesh_),
+                       topology_version_});
+}
+
+void CommittedMesh::put_earlier_back() {
+  if (!aside_ || aside_->topology_version != topology_version_) {
+    aside_.reset();
+    return release_earlier();
+  }
+  mesh_.put_earlier_back(std::move(aside_->steps));
+  earlier_own_ = std::move(aside_->own);
+  kept_ = std::move(aside_->kept);
+  earlier_mesh_ = std::move(aside_->mesh);
+  aside_.reset();
+}
+
 /// The cells are about to be others: what was kept of them becomes a mesh of its own. What has
 /// become one already, of a step whose particles wait, stays.
 void CommittedMesh::part_from_earlier(const core::Threads& threads) {

@@ -1,41 +1,20 @@
 // A bad scene, folder or disk costs what needs it, is told, and leaves the solver and the rest
 // alone.
-#include <csignal>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/status.h"
 #include "coupled.h"
+#include "fixtures/small_disk.h"
 #include "output/files/atomic_file.h"
 #include "scene/run/growing_table.h"
 #include "unit/output/netcdf_file.h"
 
 namespace {
 
+using insitu::test::SmallDisk;
 using runs::Coupled;
-
-/// Files cannot grow beyond a size: what a full disk does, to this process alone.
-class SmallDisk {
-public:
-  explicit SmallDisk(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit small{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-
-private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
 
 std::size_t unfinished(const std::string& folder) {
   return runs::names_of(runs::files_of(folder), std::string(insitu::output::part_suffix)).size();

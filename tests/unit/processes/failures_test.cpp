@@ -47,6 +47,45 @@ TEST(ProcessFailures, AFieldThatOneProcessLacks) {
   });
 }
 
+/// The halo has a field of a process under its name, whatever other fields some processes have.
+TEST(ProcessFailures, FieldsThatSomeProcessesHave) {
+  const TestMesh whole = jittered_cubes(3);
+  const PartSession::Options options = with(
+      probe + "tracers: [{name: t, velocity: u, fields: [p], output: [csv], seeds: {box: {min: "
+              "[0.5, 0.5, 0.5], max: [2.5, 2.5, 2.5], counts: [4, 4, 4]}}}]\n",
+      "");
+  const auto files = [&](bool some_have) {
+    return run_parts(whole, fixtures::boxes(whole, processes), options,
+                     [&](PartSession& process, parallel::World& world) {
+                       mesh::Mesh& mesh = process.mesh().mesh();
+                       for (int cycle = 0; cycle < 4; ++cycle) {
+                         process.give_fields(cycle);
+                         if (some_have && world.rank() == 1)
+                           process.part().remove_field(mesh, "c");
+                         if (some_have && is_last(world))
+                           process.part().give_field(mesh, "a", INSITU_CELL, 1,
+                                                     WholeFields(whole, cycle).c);
+                         EXPECT_EQ(process.session().execute(cycle, 0.25 * cycle), "");
+                       }
+                     });
+  };
+  expect_same(files(false), files(true), "fields that some processes have");
+}
+
+/// Others' cells are in its halo.
+TEST(ProcessFailures, AVelocityThatOneProcessLacks) {
+  run(probe + "tracers: [{name: t, velocity: u, output: [csv], seeds: {points: [[1, 1, 1]]}}]\n",
+      [](PartSession& process, parallel::World& world) {
+        EXPECT_EQ(process.execute(0), "");
+        if (is_last(world))
+          process.part().remove_field(process.mesh().mesh(), "u");
+        const std::string said = process.session().execute(1, 0.25);
+        EXPECT_EQ(said.find("tracer 't': process 2 of 3: "), 0u) << said;
+        EXPECT_NE(said.find("field 'u'"), std::string::npos) << said;
+        EXPECT_EQ(process.execute(1), "");
+      });
+}
+
 TEST(ProcessFailures, AConditionOfAFieldThatOneProcessLacks) {
   run("when: mean(c) > -5\n" + probe, [](PartSession& process, parallel::World& world) {
     EXPECT_EQ(process.execute(0), "");

@@ -133,7 +133,7 @@ void Rounds::send(std::vector<LeftAt>* left) {
 void Rounds::receive(std::span<const parallel::Parcel> parcels, std::vector<LeftAt>* left) {
   for (const parallel::Parcel& parcel : parcels)
     for (Traveller& t : parallel::items_of<Traveller>(parcel.bytes)) {
-      t.find_cells(homes_);
+      t.find_cells(homes_, world_.rank());
       const std::size_t particle = particles_.size();
       if (!t.is_home) {
         ways_[particle] = t.way;

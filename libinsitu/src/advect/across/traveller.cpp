@@ -1,5 +1,9 @@
 #include "advect/across/traveller.h"
 
+#include <string>
+
+#include "core/status.h"
+
 namespace insitu::advect {
 
 OnTheWay OnTheWay::after(const Journey& journey) const {
@@ -21,9 +25,15 @@ void Traveller::name_cells(core::FunctionRef<CellName(std::int64_t)> name_of) {
     way.mark.for_each_cell([&](std::int64_t& id) { kept[k++] = name_of(id); });
 }
 
-void Traveller::find_cells(const Homes& homes) {
+void Traveller::find_cells(const Homes& homes, int rank) {
   const auto find = [&](const CellName& name) {
-    return name.rank >= 0 ? homes.find(name) : std::int64_t(-1);
+    const std::int64_t id = name.rank >= 0 ? homes.find(name) : -1;
+    if (id < 0 && name.rank == rank)
+      throw core::Error(INSITU_ERROR_INTERNAL,
+                        "tracer: process " + std::to_string(rank) + " does not find its cell " +
+                            std::to_string(name.global) + " (piece " + std::to_string(name.piece) +
+                            ", cell " + std::to_string(name.cell) + ")");
+    return id;
   };
   particle.cell = find(cell);
   left.cell = has_left ? particle.cell : -1;

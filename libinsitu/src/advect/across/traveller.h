@@ -38,8 +38,10 @@ struct Traveller {
 
   /// As it leaves; the ids of cells are this process's. name_of(id): of any of them.
   void name_cells(core::FunctionRef<CellName(std::int64_t)> name_of);
-  /// As it arrives: the ids of cells are those here, -1 for a cell that does not exist here.
-  void find_cells(const Homes& homes);
+  /// As it arrives in the process of this rank: the ids of cells are those here, -1 for a cell that
+  /// does not exist here. Throws INSITU_ERROR_INTERNAL for a cell that this process owns and has
+  /// not.
+  void find_cells(const Homes& homes, int rank);
 };
 static_assert(std::is_trivially_copyable_v<Traveller>);
 

@@ -28,7 +28,6 @@ Sampled MeshVelocity::in_own_cell(const Vec3d& x, Vec3d& v, query::Location* whe
 /// By the sampler: the point is in no cell that is kept, or cannot be proven to be.
 Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) {
   cells_.note_unguided(cells_.last());
-  place_.cell = -1;
   query::Location at = moment_.locate(x, cells_.serves() ? -1 : hint_);
   if (!at)
     at = beside_mesh(x);
@@ -39,6 +38,7 @@ Sampled MeshVelocity::located(const Vec3d& x, Vec3d& v, query::Location* where) 
 
 /// The velocity at a place that was located, whose cell is kept.
 Sampled MeshVelocity::taken(const query::Location& at, Vec3d& v) {
+  place_.cell = -1;
   if (!at)
     return Sampled::outside;
   hint_ = at.cell;

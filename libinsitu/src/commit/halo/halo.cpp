@@ -206,18 +206,42 @@ void Halo::refresh_values(const CommittedMesh& mesh, parallel::World& world,
       });
 }
 
-/// Of each piece, each field by name: its association, components, type and values.
+namespace {
+
+void put_names(const std::vector<std::string>& names, ByteWriter& to) {
+  to.value(std::int64_t(names.size()));
+  for (const std::string& name : names) {
+    to.value(std::int64_t(name.size()));
+    to.array(std::span<const char>(name));
+  }
+}
+
+std::vector<std::string> take_names(ByteReader& from) {
+  std::vector<std::string> names;
+  for (auto left = from.value<std::int64_t>(); left > 0; --left) {
+    const std::vector<char> name = from.array<char>(std::size_t(from.value<std::int64_t>()));
+    names.emplace_back(name.begin(), name.end());
+  }
+  return names;
+}
+
+} // namespace
+
+/// Of a process the names of its fields, as others may have other ones; then of each piece, each of
+/// these fields: its association, components, type and values.
 void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
-  std::vector<std::string> names = mesh.mesh().field_names();
-  std::ranges::sort(names);
   swap(
       world,
       [&](std::vector<ByteWriter>& to) {
-        for (const Lent& lent : lent_)
+        std::vector<std::string> names = mesh.mesh().field_names();
+        std::ranges::sort(names);
+        for (const Lent& lent : lent_) {
+          ByteWriter& out = to[std::size_t(lent.rank)];
+          if (out.empty())
+            put_names(names, out);
           for (const std::string& name : names) {
             const mesh::FieldView field = mesh.lent_field(name);
             const mesh::FieldPieceView& values = field.pieces[lent.piece];
-            ByteWriter& out = to[std::size_t(lent.rank)];
             out.value(std::int32_t(field.association));
             out.value(std::int32_t(field.components));
             out.value(std::int32_t(values.is_float32));
@@ -236,12 +260,14 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
                 for (int c = 0; c < field.components && (lent.ghosts[i] >> face & 1); ++c)
                   put(values.load_ghost(lent.cells[i], c, face));
           }
+        }
       },
       [&](int rank, ByteReader& from) {
+        const std::vector<std::string> theirs = take_names(from);
         for (Borrowed& b : borrowed_) {
           if (b.rank != rank)
             continue;
-          for (const std::string& name : names) {
+          for (const std::string& name : theirs) {
             const bool of_cells = from.value<std::int32_t>() == INSITU_CELL;
             const auto components = std::size_t(from.value<std::int32_t>());
             const bool is_float32 = from.value<std::int32_t>() != 0;
@@ -264,8 +290,9 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
                             is_float32,
                             nullptr};
           }
-          std::erase_if(b.fields,
-                        [&](const auto& f) { return !std::ranges::binary_search(names, f.first); });
+          std::erase_if(b.fields, [&](const auto& f) {
+            return !std::ranges::binary_search(theirs, f.first);
+          });
         }
       });
 }

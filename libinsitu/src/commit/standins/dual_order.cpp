@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 #include "core/status.h"
 
@@ -13,7 +14,9 @@ using mesh::Gridlet;
 
 // From the highest bits on: the kind, the depth, the brick, the corner in it, the cell there.
 constexpr int depth_bits = 5, corner_bits = 10, cell_bits = 5;
-constexpr std::int64_t most_bricks = std::int64_t(1) << 41;
+constexpr int brick_bits = 41;
+constexpr std::int64_t most_bricks = std::int64_t(1) << brick_bits;
+constexpr std::int64_t corners = 9; ///< of a brick, along an axis
 
 /// The first cells of runs in which all bricks are: gridlets, and other cells.
 template <class F>
@@ -67,7 +70,7 @@ std::int64_t DualOrder::number(const amr::DualMesh& dual, std::int64_t flat) con
   std::int64_t brick = 0, corner = 0;
   for (int a = 2; a >= 0; --a) {
     brick = brick * count[a] + place.brick(a) - first[a];
-    corner = corner * 9 + place.corner[a] - 8 * place.brick(a);
+    corner = corner * corners + place.corner[a] - 8 * place.brick(a);
   }
   const std::int64_t kind = !place.is_cube ? 1 : has_gridlets_ ? 0 : 2;
   return (((kind << depth_bits | place.depth) * most_bricks + brick) << corner_bits | corner)
@@ -77,19 +80,43 @@ std::int64_t DualOrder::number(const amr::DualMesh& dual, std::int64_t flat) con
 
 std::int64_t DualOrder::find(const amr::DualMesh& dual, std::int64_t number) const {
   const mesh::MeshView& view = dual.view();
-  std::int64_t low = 0, high = view.cell_count();
-  // Numbers of cells of gridlets ascend, those that are none among them.
-  while (low < high) {
-    const std::int64_t mid = (low + high) / 2;
-    if (this->number(dual, mid) < number)
-      low = mid + 1;
-    else
-      high = mid;
-  }
-  if (low == view.cell_count() || this->number(dual, low) != number)
+  const bool in_gridlet = number >> (depth_bits + brick_bits + corner_bits + cell_bits) == 0;
+  const std::int64_t cell = in_gridlet ? find_in_gridlets(dual, number) : find_beside(dual, number);
+  if (cell < 0 || this->number(dual, cell) != number)
     return -1;
-  const std::int32_t piece = view.piece_of(low);
-  return view.pieces[piece].exists(low - view.first_cell[piece]) ? low : -1;
+  const std::int32_t piece = view.piece_of(cell);
+  return view.pieces[piece].exists(cell - view.first_cell[piece]) ? cell : -1;
+}
+
+/// The cell of a gridlet that has the place of this number, or some other one; or -1. The first
+/// cells of gridlets ascend; but of cells that do not exist some have places in the next brick.
+std::int64_t DualOrder::find_in_gridlets(const amr::DualMesh& dual, std::int64_t number) const {
+  const auto first_of = [](std::int64_t gridlet) { return gridlet * Gridlet::most_cells; };
+  const auto all =
+      std::views::iota(std::int64_t(0), dual.view().first_cell[1] / Gridlet::most_cells);
+  const auto after = std::ranges::upper_bound(
+      all, number, {}, [&](std::int64_t gridlet) { return this->number(dual, first_of(gridlet)); });
+  if (after == all.begin())
+    return -1;
+  std::int64_t cell = first_of(*std::ranges::prev(after));
+  const amr::CellPlace first = dual.place(cell);
+  std::int64_t corner = number >> cell_bits & ((1 << corner_bits) - 1);
+  for (int a = 0; a < 3; ++a, corner /= corners) {
+    const std::int64_t along = corner % corners - (first.corner[a] - 8 * first.brick(a));
+    if (along < 0 || along >= Gridlet::side)
+      return -1;
+    cell += along << (3 * a);
+  }
+  return cell;
+}
+
+/// The cell of piece 1 of this number, or some other one; or -1.
+std::int64_t DualOrder::find_beside(const amr::DualMesh& dual, std::int64_t number) const {
+  const std::int64_t* const first = dual.view().first_cell;
+  const auto cells = std::views::iota(first[1], first[2]);
+  const auto at = std::ranges::lower_bound(
+      cells, number, {}, [&](std::int64_t cell) { return this->number(dual, cell); });
+  return at == cells.end() ? -1 : *at;
 }
 
 } // namespace insitu::commit

@@ -20,6 +20,9 @@ public:
   std::int64_t find(const amr::DualMesh& dual, std::int64_t number) const;
 
 private:
+  std::int64_t find_in_gridlets(const amr::DualMesh& dual, std::int64_t number) const;
+  std::int64_t find_beside(const amr::DualMesh& dual, std::int64_t number) const;
+
   static constexpr int depths = mesh::Lattice::most_depth + 1;
   std::int64_t first_[depths][3] = {}, count_[depths][3] = {}; ///< bricks, of all processes
   bool has_gridlets_ = false;

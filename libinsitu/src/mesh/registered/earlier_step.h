@@ -45,6 +45,14 @@ struct TakenStep {
   std::vector<std::unique_ptr<EarlierField>> fields; ///< of one step
 };
 
+/// What a mesh kept of earlier steps, while it keeps the step after them.
+struct StepsAside {
+  core::Buffer<math::Vec3d> points;
+  std::vector<PieceView> blocks; ///< on axes
+  core::Buffer<double> axes;
+  std::vector<std::unique_ptr<EarlierField>> fields;
+};
+
 /// A copy of what a mesh keeps of earlier steps.
 struct EarlierStep {
   struct Field {

@@ -184,6 +184,10 @@ public:
   /// these.
   std::int64_t earlier_points_bytes() const;
   void release_earlier();
+  /// Before keep_earlier(), so that the current step can be done again: what was kept so far, of
+  /// whose fields the mesh has copies meanwhile, and back.
+  StepsAside set_earlier_aside();
+  void put_earlier_back(StepsAside steps);
   /// What was kept last, which then is kept here no more: the cells become others.
   TakenStep take_earlier(const core::Threads& threads);
   /// What was kept, for a checkpoint, and back: returns false, and changes nothing, if it does not

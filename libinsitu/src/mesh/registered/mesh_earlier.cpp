@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "mesh/registered/copy_items.h"
 #include "mesh/registered/mesh.h"
@@ -251,6 +252,37 @@ void Mesh::release_earlier() {
   earlier_blocks_.clear();
   earlier_fields_.clear();
   hide_earlier();
+}
+
+StepsAside Mesh::set_earlier_aside() {
+  const MeshView& now = view();
+  std::vector<std::unique_ptr<EarlierField>> copies;
+  for (const auto& from : earlier_fields_) {
+    EarlierField& to = *copies.emplace_back(std::make_unique<EarlierField>());
+    to.name = from->name;
+    to.association = from->association;
+    to.components = from->components;
+    for (std::size_t s = from->steps.size(); s-- > 0;) {
+      to.begin_step(int(from->steps.size()), now, *memory_);
+      core::Buffer<double>& values = to.steps[0]->values;
+      values.resize_discard(from->steps[s]->values.size());
+      std::copy(from->steps[s]->values.begin(), from->steps[s]->values.end(), values.begin());
+    }
+  }
+  hide_earlier();
+  StepsAside out{std::move(earlier_points_), std::exchange(earlier_blocks_, {}),
+                 std::move(earlier_axes_), std::exchange(earlier_fields_, std::move(copies))};
+  earlier_points_ = core::Buffer<math::Vec3d>(*memory_, INSITU_MEMORY_EARLIER);
+  earlier_axes_ = core::Buffer<double>(*memory_, INSITU_MEMORY_EARLIER);
+  return out;
+}
+
+void Mesh::put_earlier_back(StepsAside steps) {
+  release_earlier();
+  earlier_points_ = std::move(steps.points);
+  earlier_blocks_ = std::move(steps.blocks);
+  earlier_axes_ = std::move(steps.axes);
+  earlier_fields_ = std::move(steps.fields);
 }
 
 /// The coordinates of blocks that were kept by their axes.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 
 #include "core/status.h"
@@ -51,6 +52,17 @@ void AppendTable::shorten(std::int64_t size) {
   char before = 0;
   if (size > 0 && size < file_->size() && file_->read(size - 1, &before, 1) == 1 && before == '\n')
     file_->cut(size, "take rows back from");
+}
+
+std::int64_t AppendTable::end() const {
+  return size() + std::int64_t(rows_.text().size());
+}
+
+void AppendTable::cut_back(std::int64_t end) {
+  const std::int64_t in_file = size();
+  rows_.shorten(std::size_t(std::max<std::int64_t>(end - in_file, 0)));
+  if (end < in_file)
+    file_->cut(end, "take the rows of a step that comes again from");
 }
 
 const std::string& AppendTable::path() const {

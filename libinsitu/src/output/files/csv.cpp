@@ -130,6 +130,11 @@ void CsvRows::end_row() {
   cells_ = 0;
 }
 
+void CsvRows::shorten(std::size_t bytes) {
+  whole_ = std::min(whole_, bytes);
+  drop_row();
+}
+
 void CsvRows::clear() {
   text_.erase(0, whole_);
   whole_ = 0;

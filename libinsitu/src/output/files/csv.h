@@ -49,6 +49,8 @@ public:
   /// The whole rows so far; a row that was not ended is not part of it.
   std::string_view text() const { return std::string_view(text_).substr(0, whole_); }
   void clear();
+  /// Takes back all after so many bytes of text(), where a row ends.
+  void shorten(std::size_t bytes);
 
 private:
   void drop_row();
@@ -98,6 +100,11 @@ public:
   std::int64_t size() const;
   /// Takes back the whole rows after so many bytes, if rows begin there.
   void shorten(std::int64_t size);
+
+  /// Bytes in the file once all rows that wait are written.
+  std::int64_t end() const;
+  /// Takes back the rows after what end() was once, in the file and of those that wait.
+  void cut_back(std::int64_t end);
 
   const std::string& path() const;
 

@@ -193,6 +193,15 @@ void NetcdfTable::shorten(std::int64_t records) {
   }
 }
 
+std::int64_t NetcdfTable::end() const {
+  return records_ + std::int64_t(rows_.bytes().size()) / record_bytes_;
+}
+
+void NetcdfTable::cut_back(std::int64_t end) {
+  rows_.shorten(std::size_t(std::max<std::int64_t>(end - records_, 0) * record_bytes_));
+  shorten(end);
+}
+
 void NetcdfTable::change(NetcdfLayout layout) {
   std::string head = netcdf_head(path(), layout);
   if (layout.record_bytes() != record_bytes_)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -29,6 +30,8 @@ public:
 
   const std::string& bytes() const { return bytes_; }
   void clear() { bytes_.clear(); }
+  /// Takes back all after so many bytes.
+  void shorten(std::size_t bytes) { bytes_.resize(std::min(bytes_.size(), bytes)); }
 
 private:
   std::string bytes_;
@@ -67,6 +70,11 @@ public:
   std::int64_t records() const { return records_; }
   /// Takes back the records after so many.
   void shorten(std::int64_t records);
+
+  /// Records in the file once all that wait are written.
+  std::int64_t end() const;
+  /// Takes back the records after what end() was once, in the file and of those that wait.
+  void cut_back(std::int64_t end);
 
 private:
   void set_records(std::int64_t records);

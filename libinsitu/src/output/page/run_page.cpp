@@ -68,6 +68,13 @@ void RunPage::add(std::string_view entry) {
   const std::int64_t at = data_.size();
   data_.append(line);
   data_.replace(at, line_begin.substr(0, 2));
+  last_ = at;
+}
+
+void RunPage::take_back() {
+  if (last_ > 0)
+    data_.cut(last_, "take back the last entry of");
+  last_ = 0;
 }
 
 } // namespace insitu::output

@@ -29,8 +29,11 @@ public:
 
   /// An entry: a JSON object in one line whose first key is "cycle".
   void add(std::string_view entry);
+  /// Takes back the last entry that was added.
+  void take_back();
 
 private:
+  std::int64_t last_ = 0; ///< where that begins; 0: there is none
   AppendFile data_;
 };
 

@@ -43,7 +43,7 @@ void add_once(std::vector<std::string>& all, const std::string& one) {
 }
 
 /// The cells of a line of CSV without its end.
-std::vector<std::string> cells_of(std::string_view line) {
+std::vector<std::string> cells_in(std::string_view line) {
   std::vector<std::string> cells(1);
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -67,7 +67,7 @@ std::vector<std::string> merge_columns(const std::string& path, std::vector<std:
   std::optional<std::string_view> line = core::take_line(rest);
   if (!line)
     return columns;
-  const std::vector<std::string> before = cells_of(*line);
+  const std::vector<std::string> before = cells_in(*line);
   if (before == columns)
     return columns;
   if (before.front() != "cycle" || before.back() != "FILE")
@@ -79,7 +79,7 @@ std::vector<std::string> merge_columns(const std::string& path, std::vector<std:
   columns.emplace_back("FILE");
   output::CsvRows rows(columns.size());
   while ((line = core::take_line(rest))) {
-    const std::vector<std::string> cells = cells_of(*line);
+    const std::vector<std::string> cells = cells_in(*line);
     for (const std::string& column : columns) {
       const auto at = std::size_t(std::find(before.begin(), before.end(), column) - before.begin());
       rows.cell(std::string_view(at < cells.size() ? cells[at] : std::string()));
@@ -114,6 +114,7 @@ CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& fo
   bool cameras = false, images = false, formats = false, depth = false;
   std::vector<std::string> ranges;
   for (const Frame& frame : frames) {
+    frames_.push_back(frame.name);
     cameras |= !frame.cameras.empty();
     images |= frame.images != std::vector{ImageKind::color};
     formats |= frame.formats != std::vector{ImageFormat::png};
@@ -145,18 +146,15 @@ void CinemaTable::open(std::int64_t cycle) {
   table_ = std::make_unique<output::AppendTable>(path_, columns_, cycle);
 }
 
-bool CinemaTable::add(const CinemaRow& row, const core::Log& log) {
-  const bool opens = !table_ && !given_up_;
-  if (opens) {
-    try {
-      open(row.cycle);
-    } catch (const core::Error& e) {
-      given_up_ = true;
-      log.warning(std::string(e.what()) + "; frames are drawn without their table");
-    }
-  }
-  if (given_up_)
-    return false;
+void CinemaTable::begin_step(bool again) {
+  if (again)
+    return;
+  step_.clear();
+  begin_ = table_ ? table_->end() : 0;
+}
+
+/// By column.
+std::vector<std::string> CinemaTable::cells_of(const CinemaRow& row) const {
   const CameraAngles angles = angles_of(row.view);
   std::map<std::string, std::string> cells{
       {"cycle", std::to_string(row.cycle)},
@@ -179,12 +177,51 @@ bool CinemaTable::add(const CinemaRow& row, const core::Log& log) {
     add_range(label, range);
   if (row.depth)
     add_range("depth", *row.depth);
-  output::CsvRows& rows = table_->rows();
-  for (const std::string& column : columns_) {
-    const auto cell = cells.find(column);
-    rows.cell(std::string_view(cell == cells.end() ? std::string() : cell->second));
+  std::vector<std::string> out;
+  for (const std::string& column : columns_)
+    out.push_back(cells[column]);
+  return out;
+}
+
+void CinemaTable::add(const Rows& rows) {
+  for (const std::vector<std::string>& row : rows.cells) {
+    for (const std::string& cell : row)
+      table_->rows().cell(std::string_view(cell));
+    table_->rows().end_row();
   }
-  rows.end_row();
+}
+
+bool CinemaTable::put(const std::vector<CinemaRow>& rows, const core::Log& log) {
+  const bool opens = !table_ && !given_up_;
+  if (opens) {
+    try {
+      open(rows.front().cycle);
+      begin_ = table_->end();
+    } catch (const core::Error& e) {
+      given_up_ = true;
+      log.warning(std::string(e.what()) + "; frames are drawn without their table");
+    }
+  }
+  if (given_up_)
+    return false;
+  const std::string& name = rows.front().name;
+  Rows put{
+      std::size_t(std::ranges::find(frames_, name) - frames_.begin()), rows.front().camera, {}};
+  for (const CinemaRow& row : rows)
+    put.cells.push_back(cells_of(row));
+  const std::size_t erased = std::erase_if(step_, [&](const Rows& there) {
+    return there.place == put.place && there.camera == put.camera;
+  });
+  const auto at = std::ranges::upper_bound(step_, put.place, {}, &Rows::place);
+  const bool is_last = erased == 0 && at == step_.end();
+  const Rows& added = *step_.insert(at, std::move(put));
+  if (is_last) {
+    add(added);
+  } else { // all of the step anew
+    table_->cut_back(begin_);
+    for (const Rows& of_step : step_)
+      add(of_step);
+  }
   flush_table(*table_);
   return opens;
 }

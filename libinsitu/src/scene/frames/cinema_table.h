@@ -32,26 +32,41 @@ struct CinemaRow {
 
 /// The table of the files of all frames, `data.csv` in the output folder, which makes the folder a
 /// Cinema database of specification D (cinemascience.org): one row a file, its parameters in
-/// columns, its name in the last one, FILE. Columns that the scene's frames do not need are left
-/// out. It is opened with the first row: rows of an earlier run from that cycle on go, the others
-/// stay, and columns that only the earlier run had stay too, empty from then on. Where the file
-/// cannot be opened a warning says so, and frames are drawn without it.
+/// columns, its name in the last one, FILE. Rows go by steps and in these by the scene's frames:
+/// those of a frame that is done when a step comes again are put before those of later frames.
+/// Columns that the scene's frames do not need are left out. It is opened with the first row: rows
+/// of an earlier run from that cycle on go, the others stay, and columns that only the earlier run
+/// had stay too, empty from then on. Where the file cannot be opened a warning says so, and frames
+/// are drawn without it.
 class CinemaTable {
 public:
   CinemaTable(const std::vector<Frame>& frames, const std::string& folder);
   ~CinemaTable();
 
-  /// Writes a row; returns whether it opened the file. Throws core::Error (INSITU_ERROR_FILE) if
-  /// the row cannot be appended.
-  bool add(const CinemaRow& row, const core::Log& log);
+  /// A step begins, or comes again.
+  void begin_step(bool again);
+  /// Writes the step's rows of one camera of a frame, in place of any that are there; returns
+  /// whether it opened the file. Throws core::Error (INSITU_ERROR_FILE) if they cannot be appended.
+  bool put(const std::vector<CinemaRow>& rows, const core::Log& log);
   void finish();
 
   const std::vector<std::string>& columns() const { return columns_; }
 
 private:
+  /// Rows of one camera of a frame, and the frame's place in the scene.
+  struct Rows {
+    std::size_t place;
+    std::string camera;
+    std::vector<std::vector<std::string>> cells; ///< [row][column]
+  };
   void open(std::int64_t cycle);
+  std::vector<std::string> cells_of(const CinemaRow& row) const;
+  void add(const Rows& rows);
 
   std::string path_;
+  std::vector<std::string> frames_; ///< names, as the scene has them
+  std::vector<Rows> step_;          ///< what the step has in the table
+  std::int64_t begin_ = 0;          ///< where that begins: AppendTable::end() then
   std::vector<std::string> columns_;
   std::unique_ptr<output::AppendTable> table_;
   bool given_up_ = false;

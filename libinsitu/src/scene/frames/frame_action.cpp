@@ -14,6 +14,7 @@
 #include "scene/frames/frame_on_all.h"
 #include "scene/frames/frame_plan.h"
 #include "scene/frames/frame_settings.h"
+#include "scene/frames/frame_warnings.h"
 #include "scene/frames/path_accumulation.h"
 #include "scene/run/lookup.h"
 #include "scene/run/step.h"
@@ -26,7 +27,7 @@ class FrameAction final : public Action {
 public:
   FrameAction(const Frame& frame, const Environment& environment)
       : frame_(frame), environment_(environment), settings_(frame_, environment_),
-        cameras_(cameras_of(frame_)), told_nothing_(frame_.layers.size()) {
+        cameras_(cameras_of(frame_)), warnings_(frame_, environment_.context.log) {
     if (frame_.path_tracing && frame_.path_tracing->accumulate)
       for (std::size_t i = 0; i < cameras_.size(); ++i)
         accumulations_.emplace_back(environment_.context.memory);
@@ -39,6 +40,17 @@ public:
   void execute(commit::CommittedMesh& own, const Step& step, bool due) override {
     if (!due)
       return;
+    if (!note_.again(step)) {
+      next_camera_ = 0;
+      drawn_image_.reset();
+      is_drawn_ = false;
+    }
+    if (is_drawn_)
+      write_image();
+    if (next_camera_ == cameras_.size()) {
+      ++drawn_;
+      return;
+    }
     if (environment_.world.size() > 1)
       return execute_on_all(own, step);
     const core::Timer timer;
@@ -89,11 +101,12 @@ private:
       commit::CommittedMesh& mesh = frame_.geocentric ? geocentric(own) : own;
       const bool has_cells =
           !mesh.tree().empty() && mesh.sampler().facts(&environment_.context.threads).cells > 0;
-      if (has_cells)
+      if (has_cells) {
         meshes.push_back({i, &own, &mesh});
-      else
-        note_nothing_drawn(mesh, i, step);
-      told_nothing_[i] = !has_cells;
+        warnings_.drawn(i);
+      } else {
+        warnings_.nothing_drawn(mesh, i, step, true);
+      }
     }
     return meshes;
   }
@@ -132,7 +145,7 @@ private:
     }
     world.agree_after([&] {
       make_settings(drawing);
-      note_exact(drawing);
+      warnings_.exact(drawing, world.is_root());
     });
     draw(std::move(drawing), timer);
   }
@@ -150,7 +163,7 @@ private:
           own = &find_host_mesh(step.meshes, frame_.layers[i].mesh, environment_.scene_file);
         });
       if (frame_.layers.size() > 1 && cells_of_all(own->mesh(), world) == 0) {
-        note_left_out(*own, i, step);
+        warnings_.nothing_drawn(*own, i, step, world.is_root());
         continue;
       }
       own->update_chart(world, environment_.context.threads, environment_.context.log);
@@ -182,17 +195,12 @@ private:
     for (const DrawnMesh& drawn : drawing.meshes) {
       know_whole_facts(*drawn.mesh, environment_);
       if (is_bare(drawn))
-        note_left_out(*drawn.mesh, drawn.layer, drawing.step);
+        warnings_.nothing_drawn(*drawn.mesh, drawn.layer, drawing.step,
+                                environment_.world.is_root());
       else
-        told_nothing_[drawn.layer] = false;
+        warnings_.drawn(drawn.layer);
     }
     std::erase_if(drawing.meshes, is_bare);
-  }
-
-  void note_left_out(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
-    if (environment_.world.is_root())
-      note_nothing_drawn(mesh, layer, step);
-    told_nothing_[layer] = true;
   }
 
   void make_settings(Drawing& drawing) const {
@@ -213,8 +221,8 @@ private:
       if (drawn.settings.path_tracing)
         drawn.settings.path_tracing->cycle = std::uint64_t(drawing.step.cycle);
     environment_.statistics.render_s += began.seconds();
-    for (std::size_t i = 0; i < cameras_.size(); ++i)
-      draw(drawing, i);
+    while (next_camera_ < cameras_.size())
+      draw(drawing, next_camera_);
     ++drawn_;
   }
 
@@ -249,29 +257,6 @@ private:
     return *drawn;
   }
 
-  /// A mesh without cells, or one that hides them all, is no error: a solver's cells may come
-  /// later.
-  void note_nothing_drawn(const commit::CommittedMesh& mesh, std::size_t layer, const Step& step) {
-    if (!told_nothing_[layer])
-      environment_.context.log.warning(
-          "cycle " + std::to_string(step.cycle) + ": frame '" + frame_.name + "': mesh '" +
-          mesh.mesh().name() + "' has no cell that could be drawn; " +
-          (frame_.layers.size() > 1 ? "it is left out" : "no image is written") + " until it has");
-  }
-
-  void note_exact(const Drawing& drawing) {
-    std::vector<const render::FrameSettings*> settings;
-    for (const DrawnMesh& drawn : drawing.meshes)
-      settings.push_back(&drawn.settings);
-    const char* const why = render::why_exact(settings);
-    if (!why || told_exact_ || frame_.compositing == render::Compositing::exact)
-      return;
-    told_exact_ = true;
-    if (environment_.world.is_root())
-      environment_.context.log.warning("cycle " + std::to_string(drawing.step.cycle) + ": frame '" +
-                                       frame_.name + "': its compositing is 'exact', as " + why);
-  }
-
   void draw(Drawing& drawing, std::size_t number) {
     const core::Timer timer;
     const DrawnMesh& first = drawing.first();
@@ -293,6 +278,8 @@ private:
       if (environment_.world.is_root())
         show(drawing, number, ticks, done, images);
     });
+    is_drawn_ = true;
+    write_image();
   }
 
   /// Sets what follows the camera.
@@ -310,11 +297,11 @@ private:
     }
   }
 
-  /// Draws over an image, and writes the files.
+  /// Draws over an image, which is then to be written.
   void show(const Drawing& drawing, std::size_t number, const output::BoxTicks& ticks,
             const render::FrameStatistics& done, render::FrameImages& images) {
     const core::Timer timer;
-    warn(done, drawing);
+    warnings_.image(done, drawing);
     draw_overlays(frame_, drawing, ticks, images.color);
     const DrawnMesh& first = drawing.first();
     if (drawing.decisions.own_cells && drawing.parts.empty())
@@ -328,34 +315,26 @@ private:
         if (cell >= 0)
           cell = own.global_id(INSITU_CELL, cell);
     environment_.statistics.render_s += timer.seconds();
-    write(drawing, cameras_[number].name, images);
+    drawn_image_.emplace(DrawnImage{std::move(images), row_of(drawing, cameras_[number].name)});
   }
 
-  void warn(const render::FrameStatistics& done, const Drawing& drawing) {
-    const std::string of =
-        "frame '" + frame_.name + "', cycle " + std::to_string(drawing.step.cycle) + ": ";
-    if (done.unheld > 0 && !told_unheld_) {
-      told_unheld_ = true;
-      char tolerance[32] = "";
-      for (const DrawnMesh& drawn : drawing.meshes)
-        if (const auto& volume = drawn.settings.volume; volume && volume->tolerance)
-          std::snprintf(tolerance, sizeof tolerance, "%g", *volume->tolerance);
-      environment_.context.log.warning(
-          of + "the volume's tolerance of " + tolerance + " is not held in " +
-          std::to_string(done.unheld) +
-          " macrocells, where the opacity makes a step or the field needs samples nearer than 1/81 "
-          "of what accuracy chooses");
-    }
-    if (done.paths.cut > 0)
-      environment_.context.log.warning(
-          of + std::to_string(done.paths.cut) + " of " + std::to_string(done.paths.paths) +
-          " paths were cut off after " +
-          std::to_string(drawing.first().settings.path_tracing->max_bounces) +
-          " bounces; a larger max_bounces loses less light");
+  /// Writes the files of the next camera, which is drawn.
+  void write_image() {
+    environment_.world.agree_after([&] {
+      if (!environment_.world.is_root())
+        return;
+      const core::Timer timer;
+      write_frame_files(frame_, environment_, drawn_image_->images, drawn_image_->row);
+      environment_.statistics.output_s += timer.seconds();
+      ++environment_.statistics.frames;
+    });
+    drawn_image_.reset();
+    is_drawn_ = false;
+    ++next_camera_;
   }
 
-  void write(const Drawing& drawing, const std::string& camera, const render::FrameImages& images) {
-    const core::Timer timer;
+  /// What the rows of a camera's files have in common.
+  CinemaRow row_of(const Drawing& drawing, const std::string& camera) const {
     CinemaRow row;
     row.cycle = drawing.step.cycle;
     row.time = drawing.step.time;
@@ -363,9 +342,7 @@ private:
     row.camera = camera;
     row.view = drawing.first().settings.camera;
     row.ranges = ranges_of(frame_, drawing);
-    write_frame_files(frame_, environment_, images, row);
-    environment_.statistics.output_s += timer.seconds();
-    ++environment_.statistics.frames;
+    return row;
   }
 
   Frame frame_;
@@ -374,10 +351,17 @@ private:
   std::vector<NamedCamera> cameras_;
   std::deque<PathAccumulation> accumulations_; ///< of the cameras, where asked for
   std::int64_t drawn_ = 0;                     ///< frames so far, for the orbit
-  bool told_unheld_ = false;                   ///< that a tolerance is not held
-  /// By layer: that the mesh has no cell, since it last had one.
-  std::vector<bool> told_nothing_;
-  bool told_exact_ = false;                    ///< that standard compositing is not
+  // How far the step came, so that it goes on there where it comes again: an image that is drawn
+  // and cannot be written is not drawn anew.
+  struct DrawnImage {
+    render::FrameImages images;
+    CinemaRow row;
+  };
+  StepNote note_;
+  std::size_t next_camera_ = 0;
+  bool is_drawn_ = false;                      ///< the next camera's image
+  std::optional<DrawnImage> drawn_image_;      ///< that image, at the root
+  FrameWarnings warnings_;
 };
 
 } // namespace

@@ -83,8 +83,8 @@ void write_frame_files(const Frame& frame, const Environment& environment,
     }
   }
   // The images first: they are what was asked for.
-  for (const CinemaRow& one : rows)
-    environment.statistics.files += environment.table.add(one, environment.context.log);
+  if (!rows.empty())
+    environment.statistics.files += environment.table.put(rows, environment.context.log);
 }
 
 } // namespace insitu::scene

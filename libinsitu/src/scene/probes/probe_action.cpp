@@ -90,8 +90,10 @@ void ProbeAction::execute(commit::CommittedMesh& mesh, const Step& step, bool du
   const CellNames names = name_cells(mesh.mesh(), world);
   query::LocateOptions options;
   options.accuracy = probe_.accuracy;
-  if (moves())
+  followed_ = note_.again(step) && followed_;
+  if (moves() && !followed_)
     attached_.follow(mesh, options, names.global, points_->mesh_points);
+  followed_ = moves();
   if (!due || !name_fields(mesh)) {
     s.query_s += timer.seconds();
     return;

@@ -47,6 +47,8 @@ private:
   Environment environment_;
   std::optional<ScenePoints> points_;
   AttachedPoints attached_;   ///< if they move
+  StepNote note_;
+  bool followed_ = false;     ///< to that step, by them
   AttachedPoints::Kept kept_; ///< at the root, while a checkpoint is written
   ProbeTables tables_;
 };

@@ -156,6 +156,11 @@ void ProbeNetcdf::write(const commit::CommittedMesh& mesh, const Step& step,
     one_piece_.say(!names_.pieces && !names_.global && names.pieces, path_,
                    environment_.context.log);
   }
+  rows_.write(*table_, step, [&] { add_record(step, points, answers); });
+}
+
+void ProbeNetcdf::add_record(const Step& step, const ScenePoints& points,
+                             const ProbeAnswers& answers) {
   output::NetcdfRecords& to = table_->rows();
   const std::size_t n = answers.cells.size(), width = answers.columns.size();
   to.put(step.cycle).put(step.time);
@@ -175,7 +180,6 @@ void ProbeNetcdf::write(const commit::CommittedMesh& mesh, const Step& step,
   for (std::size_t c = 0; c < width; ++c)
     for (std::size_t i = 0; i < n; ++i)
       to.put(answers.values[i * width + c]);
-  flush_table(*table_);
 }
 
 void ProbeNetcdf::finish() {

@@ -28,12 +28,14 @@ public:
   void finish();
 
 private:
+  void add_record(const Step& step, const ScenePoints& points, const ProbeAnswers& answers);
   output::NetcdfLayout layout(const commit::CommittedMesh& mesh, const ScenePoints& points,
                               const ProbeAnswers& answers) const;
 
   std::string name_, path_;
   Environment environment_;
   std::unique_ptr<output::NetcdfTable> table_;
+  RowsOfStep rows_; ///< in it
   std::vector<std::string> columns_;
   bool moves_ = false;
   CellNames names_; ///< in the table

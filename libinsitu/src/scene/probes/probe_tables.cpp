@@ -30,29 +30,32 @@ void ProbeTables::write(const commit::CommittedMesh& mesh, const Step& step,
                         const ScenePoints& points, const ProbeAnswers& answers,
                         const CellNames& names) {
   const Rows rows{mesh, step, points, answers, names};
-  Failures failures;
-  bool in_a_table = false;
-  for (const TableFormat format : formats_)
-    failures.catch_of([&] {
-      switch (format) {
-      case TableFormat::csv:
-        write_csv(rows);
-        break;
-      case TableFormat::vtp:
-        write_vtp(rows);
-        break;
-      case TableFormat::json:
-        write_json(rows);
-        break;
-      case TableFormat::netcdf:
-        netcdf_.write(mesh, step, points, answers, names);
-        break;
-      }
-      in_a_table |= format == TableFormat::csv || format == TableFormat::netcdf;
-    });
-  if (in_a_table)
-    environment_.statistics.probe_rows += std::int64_t(answers.cells.size());
-  failures.throw_if_any();
+  counted_ = note_.again(step) && counted_;
+  written_.write(step, formats_.size(), [&](std::size_t i) {
+    switch (formats_[i]) {
+    case TableFormat::csv:
+      write_csv(rows);
+      count(rows);
+      break;
+    case TableFormat::vtp:
+      write_vtp(rows);
+      break;
+    case TableFormat::json:
+      write_json(rows);
+      break;
+    case TableFormat::netcdf:
+      netcdf_.write(mesh, step, points, answers, names);
+      count(rows);
+      break;
+    }
+  });
+}
+
+/// Rows that are in two tables count once.
+void ProbeTables::count(const Rows& of) {
+  if (!counted_)
+    environment_.statistics.probe_rows += std::int64_t(of.answers.cells.size());
+  counted_ = true;
 }
 
 void ProbeTables::write_csv(const Rows& of) {
@@ -86,11 +89,17 @@ void ProbeTables::write_csv(const Rows& of) {
                                                    std::move(columns), step.cycle);
     ++environment_.statistics.files;
   }
+  rows_.write(*table_, step, [&] { add_rows(of); });
+}
+
+void ProbeTables::add_rows(const Rows& of) {
+  const auto& [mesh, step, points, answers, names_now] = of;
+  const CurtainPlaces* curtain = of.curtain();
   output::CsvRows& rows = table_->rows();
   const std::size_t width = answers.columns.size();
   for (std::size_t i = 0; i < answers.cells.size(); ++i) {
     rows.cell(step.cycle).cell(step.time).cell(std::int64_t(i));
-    if (names)
+    if (!points.names.empty())
       rows.cell(points.names[i]);
     for (int c = 0; moves_ && c < 3; ++c)
       rows.cell(core::unsigned_zero(points.mesh_points[i][c]));
@@ -110,7 +119,6 @@ void ProbeTables::write_csv(const Rows& of) {
       rows.cell(answers.values[i * width + c]);
     rows.end_row();
   }
-  flush_table(*table_);
 }
 
 void ProbeTables::write_vtp(const Rows& of) {

@@ -10,6 +10,7 @@
 #include "scene/probes/probe_netcdf.h"
 #include "scene/probes/resolve_points.h"
 #include "scene/run/environment.h"
+#include "scene/run/failures.h"
 #include "scene/run/growing_table.h"
 #include "scene/run/step.h"
 #include "scene/tracers/vtp_series.h"
@@ -33,7 +34,9 @@ public:
 private:
   struct Rows;
 
+  void count(const Rows& rows);
   void write_csv(const Rows& rows);
+  void add_rows(const Rows& rows);
   void write_vtp(const Rows& rows);
   void write_json(const Rows& rows);
 
@@ -42,11 +45,15 @@ private:
   bool moves_;
   Environment environment_;
   std::unique_ptr<output::AppendTable> table_;
-  std::vector<std::string> columns_; ///< of the table
+  RowsOfStep rows_;                  ///< in it
+  std::vector<std::string> columns_; ///< of it
   CellNames names_;                  ///< in it
   OnePieceNote one_piece_;
   VtpSeries series_;
   ProbeNetcdf netcdf_;
+  Formats written_;
+  StepNote note_;
+  bool counted_ = false; ///< the step's rows, in the statistics
 };
 
 } // namespace insitu::scene

@@ -7,6 +7,7 @@
 #include "mesh/view.h"
 #include "output/files/csv.h"
 #include "output/netcdf/netcdf_table.h"
+#include "scene/run/step.h"
 
 /// Tables to which probes, tracers and frames add rows from cycle to cycle.
 namespace insitu::scene {
@@ -33,5 +34,29 @@ void require_columns(const output::AppendTable& table, const std::vector<std::st
 /// a disk that stays full must not fill the memory too.
 void flush_table(output::AppendTable& table);
 void flush_table(output::NetcdfTable& table);
+
+/// Where the rows of a step begin in a table.
+class RowsOfStep {
+public:
+  /// Adds a step's rows by add(), and writes them. What the step had there before, if it comes
+  /// again, is taken back first, and so is all that add() did if it fails.
+  template <class Table, class Add>
+  void write(Table& table, const Step& step, Add&& add) {
+    if (note_.again(step))
+      table.cut_back(begin_);
+    begin_ = table.end();
+    try {
+      add();
+    } catch (...) {
+      table.cut_back(begin_);
+      throw;
+    }
+    flush_table(table);
+  }
+
+private:
+  StepNote note_;
+  std::int64_t begin_ = 0; ///< AppendTable::end() or NetcdfTable::end() then
+};
 
 } // namespace insitu::scene

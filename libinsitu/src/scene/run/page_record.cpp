@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
+#include <utility>
 
 namespace insitu::scene {
 
@@ -76,22 +77,32 @@ std::string now() {
 PageRecord::PageRecord(const SceneDescription& scene, const std::string& folder,
                        core::Context& context, Statistics& statistics)
     : file_(scene.file), folder_(folder), files_(tables_of(scene)), context_(context),
-      statistics_(statistics), before_(statistics) {}
+      statistics_(statistics), now_{{}, statistics, {}, {}, {}, {}, {}, {}, false} {}
+
+void PageRecord::begin_step(bool again) {
+  if (!again) {
+    last_.reset();
+  } else if (last_) {
+    now_ = *std::exchange(last_, std::nullopt);
+    now_.tracers.clear(); // all are noted at the step's end
+    replaces_ = true;
+  }
+}
 
 void PageRecord::add_frame(const std::string& name, const std::string& kind,
                            const std::string& path) {
-  if (refused_)
+  if (refused_ || !now_.names.insert(path).second)
     return;
   JsonText item;
   item.open('{').key("name").value(name).key("kind").value(kind);
   item.key("file").value(std::filesystem::path(path).filename().string()).close();
-  append(frames_, item);
+  append(now_.frames, item);
 }
 
 void PageRecord::add_probe(const std::string& name, std::span<const std::string> columns,
                            std::span<const math::Vec3d> points, std::span<const std::string> names,
                            std::span<const double> values) {
-  if (refused_)
+  if (refused_ || !now_.names.insert(name).second)
     return;
   const std::size_t n = points.size(), shown = std::min(n, most_points),
                     width = std::min(columns.size(), most_columns);
@@ -128,7 +139,7 @@ void PageRecord::add_probe(const std::string& name, std::span<const std::string>
     item.close();
   }
   item.close().close();
-  append(probes_, item);
+  append(now_.probes, item);
 }
 
 void PageRecord::add_tracer(const std::string& name, const advect::Counts& counts) {
@@ -140,17 +151,17 @@ void PageRecord::add_tracer(const std::string& name, const advect::Counts& count
   for (const std::int64_t count : counts.by_ending)
     item.value(count);
   item.close().close();
-  append(tracers_, item);
+  append(now_.tracers, item);
 }
 
 void PageRecord::add_plan(const std::string& text) {
   if (text != last_plan_)
-    plan_ = last_plan_ = text;
+    now_.plan = last_plan_ = text;
 }
 
 void PageRecord::add_message(const std::string& level, const std::string& text) {
   if (!refused_)
-    messages_.push_back({level, text});
+    now_.messages.push_back({level, text});
 }
 
 void PageRecord::add_session(JsonText& entry) const {
@@ -169,14 +180,13 @@ void PageRecord::add_session(JsonText& entry) const {
 
 /// seconds: of several processes; null: the session ends.
 std::string PageRecord::make_entry(const SecondsOfAll* all, const core::Timer& began) {
-  const Statistics &s = statistics_, &b = before_;
+  const Statistics &s = statistics_, &b = now_.before;
   JsonText e;
   e.open('{').key("cycle").value(cycle_).key("time").value(time_);
-  if (!begun_)
+  if (!now_.begun)
     add_session(e);
-  begun_ = true;
   e.key("executions").value(s.executions - b.executions).key("wall");
-  e.short_value(since_.seconds() - began.seconds());
+  e.short_value(now_.since.seconds() - began.seconds());
   e.key("seconds").open('[');
   const Seconds until_now = seconds_of(s), until_before = seconds_of(b);
   for (std::size_t i = 0; i < until_now.size(); ++i)
@@ -189,32 +199,33 @@ std::string PageRecord::make_entry(const SecondsOfAll* all, const core::Timer& b
     add_processes(e, *all);
   if (s.failures > b.failures)
     e.key("failures").value(s.failures - b.failures);
-  for (auto& [key, list] : {std::pair<const char*, std::string*>{"frames", &frames_},
-                            {"probes", &probes_},
-                            {"tracers", &tracers_}}) {
+  for (const auto& [key, list] :
+       {std::pair<const char*, const std::string*>{"frames", &now_.frames},
+        {"probes", &now_.probes},
+        {"tracers", &now_.tracers}})
     if (!list->empty())
       e.key(key).raw("[" + *list + "]");
-    list->clear();
-  }
-  if (!plan_.empty())
-    e.key("plan").value(plan_);
-  plan_.clear();
-  if (!messages_.empty()) {
+  if (!now_.plan.empty())
+    e.key("plan").value(now_.plan);
+  if (!now_.messages.empty()) {
     e.key("messages").open('[');
-    for (const Message& m : messages_)
+    for (const Message& m : now_.messages)
       e.open('{').key("level").value(m.level).key("text").value(m.text).close();
     e.close();
-    messages_.clear();
   }
   if (!all)
     e.key("finished").value(true);
   e.close();
-  since_ = began;
-  before_ = statistics_;
+  last_ = std::exchange(now_, {began, statistics_, {}, {}, {}, {}, {}, {}, true});
   return e.text();
 }
 
 void PageRecord::write(std::string entry) {
+  if (replaces_ && !waiting_.empty())
+    waiting_.pop_back();
+  else if (replaces_ && page_)
+    page_->take_back();
+  replaces_ = false;
   waiting_.push_back(std::move(entry));
   if (waiting_.size() > most_waiting)
     waiting_.erase(waiting_.begin() + 1); // the first one describes the session
@@ -251,7 +262,7 @@ void PageRecord::take_warnings() {
 
 void PageRecord::end_cycle(std::int64_t cycle, double time, const SecondsOfAll& seconds,
                            const core::Timer& began) {
-  if (!begun_)
+  if (!now_.begun)
     first_cycle_ = cycle;
   cycle_ = cycle;
   time_ = time;
@@ -259,7 +270,7 @@ void PageRecord::end_cycle(std::int64_t cycle, double time, const SecondsOfAll& 
 }
 
 void PageRecord::finish() {
-  if (begun_ && !refused_)
+  if (now_.begun && !refused_)
     write(make_entry(nullptr, {}));
   page_.reset();
 }

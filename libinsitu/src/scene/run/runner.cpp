@@ -121,132 +121,6 @@ void Runner::leave_out(const Action& action) {
         of + " goes on with live steps alone, and does nothing at steps that are held");
 }
 
-/// Of a step that is held those that serve one.
-void Runner::execute_actions(const Step& step, bool is_held, std::string& failures) {
-  bool any_due = false;
-  for (const auto& action : actions_) {
-    if (is_held && !action->serves_held_steps()) {
-      leave_out(*action);
-      continue;
-    }
-    try {
-      execute(*action, step, any_due);
-    } catch (const core::Error& e) {
-      if (!is_for_want_of_cells(*action, e, step.meshes))
-        failed(failures, std::string(action->kind()) + " '" + action->name() + "'", e, step.cycle);
-    }
-  }
-  structures_.end_cycle(step.meshes);
-  if (!is_held) {
-    try {
-      environment_.world.agree_after([&] { keep_earlier(step.meshes); });
-    } catch (const core::Error& e) { // no memory: pathlines take the next velocity as steady
-      for (commit::CommittedMesh* mesh : step.meshes)
-        mesh->release_earlier();
-      failed(failures, "the earlier step", e, step.cycle);
-    }
-  }
-  try {
-    end_page_cycle(step, any_due);
-  } catch (const core::Error& e) {
-    failed(failures, "page", e, step.cycle);
-  }
-}
-
-std::string Runner::execute_held(MeshList meshes, std::int64_t cycle, double time) {
-  note_cycle(cycle);
-  for (commit::CommittedMesh* mesh : meshes)
-    if (mesh->needs_halo(environment_.world))
-      mesh->update_halo(environment_.world, environment_.context.threads, environment_.context.log);
-  std::string failures;
-  execute_actions({meshes, cycle, time, false, time}, true, failures);
-  return failures;
-}
-
-std::string Runner::execute(MeshList meshes, std::int64_t cycle, double time) {
-  const std::span<const double> times(times_);
-  const Step step{meshes,
-                  cycle,
-                  time,
-                  !executed_,
-                  times.empty() ? 0.0 : times.front(),
-                  times.empty() ? times : times.subspan(1)};
-  std::string failures;
-  parallel::World& world = environment_.world;
-  note_cycle(cycle);
-  for (commit::CommittedMesh* mesh : meshes)
-    for (const auto& action : actions_)
-      if (action->is_of(*mesh, meshes)) // before any action asks for a halo
-        mesh->join_sides(action->periodic_axes());
-  for (commit::CommittedMesh* mesh : meshes)
-    if (mesh->needs_halo(world)) // what an action has asked for, all see: none of an earlier step
-      mesh->update_halo(world, environment_.context.threads, environment_.context.log);
-  take_up_meshes(meshes);
-  execute_actions(step, false, failures);
-  descends_ = executed_ && cycle < cycle_;
-  executed_ = true;
-  cycle_ = cycle;
-  times_.insert(times_.begin(), time);
-  times_.resize(std::min(times_.size(), std::size_t(advect::most_steps - 1)));
-  const core::Timer timer;
-  try {
-    write_due_checkpoint(meshes);
-  } catch (const core::Error& e) {
-    failed(failures, "checkpoint", e, cycle);
-  }
-  try {
-    if (record_.every && cycle_ % *record_.every == 0)
-      write_record(record_path(environment_.output, cycle_), meshes, cycle, time);
-  } catch (const core::Error& e) {
-    failed(failures, "record", e, cycle);
-  }
-  environment_.statistics.output_s += timer.seconds();
-  return failures;
-}
-
-/// Executes an action, all processes alike, and notes if it was due. Throws parallel::AgreedError.
-void Runner::execute(Action& action, const Step& step, bool& any_due) {
-  parallel::World& world = environment_.world;
-  commit::CommittedMesh* mesh = nullptr;
-  world.agree_after(
-      [&] { mesh = &find_host_mesh(step.meshes, action.mesh_name(), environment_.scene_file); });
-  const bool due = is_due(action, *mesh, step);
-  any_due = any_due || due;
-  if (world.size() > 1)
-    action.execute(*mesh, step, due); // which agrees by itself
-  else
-    world.agree_after([&] { action.execute(*mesh, step, due); });
-  if (due && world.is_root())
-    log_particles(action, step.cycle);
-}
-
-/// Copies what pathlines will need of this step, and only then.
-void Runner::keep_earlier(MeshList meshes) {
-  const core::Timer timer;
-  for (commit::CommittedMesh* mesh : meshes) {
-    std::vector<mesh::KeptField> fields;
-    bool with_cells = false;
-    for (const auto& action : actions_) {
-      if (mesh->lies_on_device())
-        continue;
-      const bool here = action->is_of(*mesh, meshes);
-      for (const mesh::KeptField& need : action->needs_earlier()) {
-        if (!here || !mesh->mesh().has_field(need.name))
-          continue;
-        const auto known = std::find_if(fields.begin(), fields.end(),
-                                        [&](const auto& f) { return f.name == need.name; });
-        if (known == fields.end())
-          fields.push_back(need);
-        else
-          known->steps = std::max(known->steps, need.steps);
-        with_cells = with_cells || action->goes_on_to_other_cells();
-      }
-    }
-    mesh->keep_earlier(fields, with_cells, environment_.context.threads);
-  }
-  environment_.statistics.advect_s += timer.seconds();
-}
-
 /// What became of a tracer's particles.
 void Runner::log_particles(const Action& action, std::int64_t cycle) const {
   if (!environment_.context.log.wants(INSITU_LOG_INFO))
@@ -263,7 +137,7 @@ void Runner::note_tracers() {
 }
 
 /// Its seconds are in the page's next entry. Collective.
-void Runner::end_page_cycle(const Step& step, bool due) {
+void Runner::end_page_cycle(const Step& step, Attempt& attempt) {
   if (!with_page_)
     return;
   const core::Timer timer;
@@ -273,12 +147,13 @@ void Runner::end_page_cycle(const Step& step, bool due) {
     if (!page_)
       return;
     page_->take_warnings();
-    has_entry = page_->wanted(due);
+    has_entry = page_->wanted(attempt.any_due);
   });
   world.reduce(std::span(&has_entry, 1), parallel::Reduction::greatest);
   if (!has_entry)
     return;
   const SecondsOfAll seconds = seconds_.since_last(environment_.statistics, world);
+  attempt.has_entry = true;
   world.agree_after([&] {
     if (!page_)
       return;

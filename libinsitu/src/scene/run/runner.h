@@ -29,13 +29,19 @@ public:
 
   /// Does what is due. The meshes are committed, and of the same names in the same order on all
   /// processes. Failures are counted and skipped, and the root logs them; the returned text, the
-  /// same on all processes, holds one line each, empty if all went well.
+  /// same on all processes, holds one line each, empty if all went well. A call with cycle and time
+  /// of the call before, of which something failed, does that step again: what failed, and nothing
+  /// of what was done.
   std::string execute(MeshList meshes, std::int64_t cycle, double time);
+  /// What the session does after execute() has failed, so that the step can be done again.
+  void fail_step() { live_.is_failed = true; }
 
   /// Does what is due by this cycle and time at a step that is held, whose meshes these are, but
   /// for the actions that go on with live steps, which the root's log names once. Nothing else is
   /// told of it: the next live step follows the last one. Otherwise as execute().
   std::string execute_held(MeshList meshes, std::int64_t cycle, double time);
+  /// The meshes of the next execute_held() may be others.
+  void show_other() { held_.is_failed = false; }
   /// Meshes whose structures frames keep, by their ids, whichever are executed.
   void keep_structures_of(std::vector<std::uint64_t> meshes) {
     structures_.keep_also(std::move(meshes));
@@ -78,17 +84,38 @@ public:
   const std::string& output() const { return environment_.output; }
 
 private:
+  /// How far a step came.
+  struct Attempt {
+    enum class State : std::uint8_t { none, begun, done };
+    std::int64_t cycle = 0;
+    double time = 0.0;
+    bool is_first = false;  ///< execution of the session
+    bool is_failed = false; ///< in something, so that it can be done again
+    bool any_due = false;
+    bool has_entry = false;     ///< on the page
+    bool is_kept = false;       ///< for the next step
+    std::vector<State> actions; ///< by action
+    std::vector<double> times;  ///< of the executions before it, the latest first
+
+    bool is_again(std::int64_t of_cycle, double at) const {
+      return is_failed && cycle == of_cycle && time == at;
+    }
+  };
+
   bool is_due(const Action& action, const commit::CommittedMesh& mesh, const Step& step) const;
-  void execute(Action& action, const Step& step, bool& any_due);
-  void execute_actions(const Step& step, bool is_held, std::string& failures);
+  void execute(Action& action, const Step& step, Attempt::State& state, bool& any_due);
+  void execute_actions(const Step& step, Attempt& attempt, std::string& failures);
+  void execute_all(const Step& step, Attempt& attempt, std::string& failures);
+  void begin(Attempt& attempt, std::int64_t cycle, double time);
   void leave_out(const Action& action);
   void failed(std::string& failures, const std::string& of, const core::Error& error,
               std::int64_t cycle);
   bool is_for_want_of_cells(const Action& action, const core::Error& error, MeshList meshes) const;
   void keep_earlier(MeshList meshes);
+  void keep_step(const Step& step, std::string& failures);
   void note_tracers();
   void log_particles(const Action& action, std::int64_t cycle) const;
-  void end_page_cycle(const Step& step, bool due);
+  void end_page_cycle(const Step& step, Attempt& attempt);
   void finish_page(const std::string& failures);
   void note_cycle(std::int64_t cycle);
   void report(const std::string& what, const std::string& of, std::int64_t cycle);
@@ -97,6 +124,7 @@ private:
   void read_mesh(core::Archive& shared, output::CheckpointReader* file, const std::string& path);
   void take_up_meshes(MeshList meshes);
   void write_due_checkpoint(MeshList meshes);
+  void write_step_files(MeshList meshes, std::string& failures);
 
   const bool with_page_;
   std::unique_ptr<PageRecord> page_; ///< at the root
@@ -111,6 +139,8 @@ private:
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded
   std::set<std::string> left_out_; ///< actions that were named as going on with live steps
+  Attempt live_, held_;            ///< the last step of each kind
+  const Attempt* last_ = nullptr;  ///< of both
   bool executed_ = false;
   std::int64_t cycle_ = 0;                            ///< the last one executed
   std::int64_t lowest_cycle_ = 0, highest_cycle_ = 0; ///< of this session

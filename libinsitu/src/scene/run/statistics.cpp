@@ -25,6 +25,7 @@ SecondsOfAll ProcessSeconds::since_last(const Statistics& now, parallel::World& 
   const Seconds until_now = seconds;
   for (std::size_t i = 0; i < seconds.size(); ++i)
     seconds[i] -= before_[i];
+  earlier_ = before_;
   before_ = until_now;
   return seconds_of_all(seconds, world);
 }

@@ -55,9 +55,11 @@ class ProcessSeconds {
 public:
   /// Those since the last call, or since the beginning. Collective.
   SecondsOfAll since_last(const Statistics& now, parallel::World& world);
+  /// The last call is as if it had not been.
+  void go_back() { before_ = earlier_; }
 
 private:
-  Seconds before_{};
+  Seconds before_{}, earlier_{};
 };
 
 } // namespace insitu::scene

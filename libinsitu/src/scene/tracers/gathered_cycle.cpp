@@ -56,7 +56,7 @@ struct GatheredCycle::Parts {
   std::vector<std::vector<double>> values_at;
 };
 
-GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geodesics,
+GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, const Geodesics& geodesics,
                              parallel::World& world, const core::Threads& threads,
                              core::Memory& memory)
     : here_(here), memory_(memory), particles_(memory) {
@@ -65,7 +65,8 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geod
   const std::size_t times = here.times().size();
   const advect::Particles& p = here.particles();
   std::vector<std::size_t> indices;
-  geodesics.forget_snapshots();
+  if (!geodesics.are_there)
+    geodesics.of_all.forget_snapshots();
   world.agree_after([&] {
     for (std::size_t i = 0; i < p.size(); ++i)
       if (p.endings[i] != advect::Particles::gone && (all || p.endings[i] != INSITU_END_ALIVE))
@@ -115,15 +116,18 @@ GatheredCycle::GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geod
     }
     merge(parts);
     merge_times(parts);
-    if (world.is_root() && !geodesics.columns().empty())
+    if (world.is_root() && !geodesics.of_all.columns().empty())
       follow(geodesics, threads);
   });
 }
 
 /// The particles, and their numbers in all rows: the last columns.
-void GatheredCycle::follow(TrackGeodesics& geodesics, const core::Threads& threads) {
-  geodesics.begin(particles_, all_.frame);
-  geodesics.follow(particles_, snapshots_ ? &*snapshots_ : nullptr, all_.frame, threads);
+void GatheredCycle::follow(const Geodesics& of, const core::Threads& threads) {
+  TrackGeodesics& geodesics = of.of_all;
+  if (!of.are_there) {
+    geodesics.begin(particles_, all_.frame);
+    geodesics.follow(particles_, snapshots_ ? &*snapshots_ : nullptr, all_.frame, threads);
+  }
   const std::size_t width = all_.columns.size(), fields = width - geodesics.columns().size();
   for (std::size_t r = 0; r < all_.rows.size(); ++r)
     geodesics.put(all_.rows[r].particle, all_.values.data() + r * width + fields);

@@ -18,10 +18,14 @@ namespace insitu::scene {
 /// are, or where they were at a tracer's own time.
 class GatheredCycle final : public TrackCycle {
 public:
+  struct Geodesics {
+    TrackGeodesics& of_all;
+    bool are_there; ///< they have followed to this step
+  };
   /// Collective; throws parallel::AgreedError. here: this process's. all: those alive, too; false:
   /// only those that ended and are still among the particles. geodesics: of all particles, at the
   /// root; follows them, if it has columns, which takes all.
-  GatheredCycle(ParticleCycle& here, bool all, TrackGeodesics& geodesics, parallel::World& world,
+  GatheredCycle(ParticleCycle& here, bool all, const Geodesics& geodesics, parallel::World& world,
                 const core::Threads& threads, core::Memory& memory);
 
   const Step& step() const override { return here_.step(); }
@@ -39,7 +43,7 @@ private:
   struct Parts;
   void merge(Parts& parts);
   void merge_times(Parts& parts);
-  void follow(TrackGeodesics& geodesics, const core::Threads& threads);
+  void follow(const Geodesics& geodesics, const core::Threads& threads);
 
   ParticleCycle& here_;
   core::Memory& memory_;

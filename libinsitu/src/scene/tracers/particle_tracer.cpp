@@ -5,7 +5,6 @@
 
 #include "core/status.h"
 #include "core/timer.h"
-#include "scene/run/failures.h"
 #include "scene/run/lookup.h"
 #include "scene/tracers/tracer_effects.h"
 
@@ -30,6 +29,11 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
   if (across())
     return execute_across(mesh, step, due);
   const core::Timer timer;
+  if (goes_on(step)) {
+    if (interval_.other_cells)
+      interval_.other_cells = mesh.earlier_mesh();
+    return write_step(mesh, step, due, timer);
+  }
   check_geodesics(mesh);
   bring_home(mesh);
   at_times_.reset();
@@ -53,6 +57,7 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
   }
   geodesics_.follow(particles_.particles(), snapshots(), mesh.reference_frame,
                     environment_.context.threads);
+  moved_ = true;
   write_step(mesh, step, due, timer);
 }
 
@@ -208,15 +213,19 @@ void ParticleTracer::check_time(const Step& step) const {
 
 void ParticleTracer::release(const commit::CommittedMesh& mesh, const Step& step) {
   check_time(step);
-  const std::vector<double> times = clock_.due(step.cycle, step.time);
+  std::vector<double> times;
+  if (!released_)
+    times = clock_.due(step.cycle, step.time);
   if (!times.empty() && may_release(mesh, step)) {
     const std::vector<math::Vec3d>& points = seeds(mesh);
-    for (const double time : times)
+    for (const double time : times) {
       particles_.seed(points, time);
-    clock_.note(step.time, times.size());
+      clock_.note(step.time, 1);
+    }
   } else {
     clock_.pass(step.time, times.size());
   }
+  released_ = true;
   if (!seeded_)
     settled_ = step.time;
   seeded_ = true;
@@ -271,15 +280,13 @@ void ParticleTracer::write(const commit::CommittedMesh& mesh, const Step& step, 
                        interval_, name_cells(mesh.mesh(), environment_.world), environment_.world,
                        mesh_moved_},
                       mesh, step, due);
-  Failures failures;
-  bool keep = false;
-  for (const auto& writer : writers_) {
-    failures.catch_of([&] { writer->write(cycle); });
-    keep = keep || writer->keeps_ended();
-  }
-  if (!keep && !failures.any())
+  written_.write(step, writers_.size(), [&](std::size_t i) { writers_[i]->write(cycle); });
+  if (!keeps_ended())
     particles_.drop_ended(); // in the tables, and needed no more
-  failures.throw_if_any();
+}
+
+bool ParticleTracer::keeps_ended() const {
+  return std::ranges::any_of(writers_, [](const auto& writer) { return writer->keeps_ended(); });
 }
 
 std::unique_ptr<TracerAction> make_tracer_action(const Tracer& tracer,

@@ -6,6 +6,7 @@
 
 #include "core/timer.h"
 #include "scene/run/environment.h"
+#include "scene/run/failures.h"
 #include "scene/run/output_times.h"
 #include "scene/run/step.h"
 #include "scene/tracers/field_between.h"
@@ -82,6 +83,13 @@ private:
   /// through all of them again.
   void note_steps(const Step& step, const advect::Advance& advance);
 
+  /// Begins a step; returns whether it comes again, and the particles are where they are to be.
+  bool goes_on(const Step& step) {
+    if (!note_.again(step))
+      released_ = moved_ = followed_ = false;
+    return moved_;
+  }
+
   /// Throws if the particles cannot go on to this step's time.
   void check_geodesics(const commit::CommittedMesh& mesh) const;
   void check_time(const Step& step) const;
@@ -94,6 +102,7 @@ private:
   void bring_home(const commit::CommittedMesh& mesh);
 
   void write(const commit::CommittedMesh& mesh, const Step& step, bool due);
+  bool keeps_ended() const;
   void write_step(const commit::CommittedMesh& mesh, const Step& step, bool due,
                   const core::Timer& timer);
 
@@ -122,6 +131,11 @@ private:
   std::vector<DueTime> due_times_; ///< of the tracer's own times
   std::optional<advect::Snapshots> at_times_;
   StepInterval interval_;
+  // How far it came, so that it goes on there where the step comes again.
+  StepNote note_;
+  bool released_ = false, moved_ = false;
+  bool followed_ = false;                 ///< by the geodesics, on several processes
+  Formats written_;                       ///< by writer
   std::vector<mesh::FieldView> recorded_; ///< fields, on several processes
   CellNames names_;
   std::vector<std::unique_ptr<TrackWriter>> writers_;

@@ -7,7 +7,6 @@
 #include "core/status.h"
 #include "core/timer.h"
 #include "scene/probes/resolve_points.h"
-#include "scene/run/failures.h"
 #include "scene/run/lookup.h"
 #include "scene/tracers/gathered_cycle.h"
 #include "scene/tracers/mesh_homes.h"
@@ -46,6 +45,8 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
       find_fields(mesh, {&tracer_.velocity, is_attached ? 0U : 1U}, environment_.scene_file, world);
   recorded_ = find_fields(mesh, tracer_.fields, environment_.scene_file, world);
   names_ = name_cells(mesh.mesh(), world);
+  if (goes_on(step))
+    return write_step(mesh, step, due, timer);
   bring_home(mesh);
   const int earlier = agree_on_steps(mesh, step);
   world.agree_after([&] {
@@ -70,6 +71,7 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
     follow_across(mesh, step, across);
   else
     advance_across(mesh, velocity.front(), step, across);
+  moved_ = true;
   write_step(mesh, step, due, timer);
 }
 
@@ -106,21 +108,25 @@ void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Ste
                                     const advect::Across& across) {
   parallel::World& world = environment_.world;
   std::vector<double> times;
-  world.agree_after([&] { times = clock_.due(step.cycle, step.time); });
+  world.agree_after([&] {
+    if (!released_)
+      times = clock_.due(step.cycle, step.time);
+  });
   if (!times.empty() && may_release(mesh, step)) {
     const std::vector<math::Vec3d>& points = seeds_of_all(mesh);
     for (const double time : times) {
       const std::int64_t first = particles_.particles().seeded();
       particles_.seed(points, time, mesh.sampler(), across);
+      clock_.note(step.time, 1);
       world.agree_after([&] {
         if (world.is_root())
           geodesics_.add(first, points, mesh.reference_frame);
       });
     }
-    clock_.note(step.time, times.size());
   } else {
     clock_.pass(step.time, times.size());
   }
+  released_ = true;
   if (!seeded_)
     settled_ = step.time;
   seeded_ = true;
@@ -202,25 +208,20 @@ void ParticleTracer::write_across(const commit::CommittedMesh& mesh, const Step&
   for (const std::uint8_t ending : particles_.particles().endings)
     wanted[1] |= ending != INSITU_END_ALIVE && ending != advect::Particles::gone;
   world.reduce(std::span(wanted), parallel::Reduction::greatest);
-  bool keep = false;
-  for (const auto& writer : writers_)
-    keep = keep || writer->keeps_ended();
   const bool writes = wanted[0] || wanted[1], follows = !tracer_.geodesics.empty();
   if (writes || follows) {
     ParticleCycle here({*this, particles_.particles(), geodesics_, due_times_, snapshots(),
                         interval_, names_, world, mesh_moved_, &recorded_},
                        mesh, step, wanted[0] != 0);
-    GatheredCycle cycle(here, wanted[0] != 0 || follows, geodesics_, world,
+    GatheredCycle cycle(here, wanted[0] != 0 || follows, {geodesics_, followed_}, world,
                         environment_.context.threads, environment_.context.memory);
+    followed_ = true;
     world.agree_after([&] {
-      Failures failures;
-      for (const auto& writer : writers_)
-        if (world.is_root() && writes)
-          failures.catch_of([&] { writer->write(cycle); });
-      failures.throw_if_any();
+      if (world.is_root() && writes)
+        written_.write(step, writers_.size(), [&](std::size_t i) { writers_[i]->write(cycle); });
     });
   }
-  if (!keep)
+  if (!keeps_ended())
     particles_.drop_ended();
   particles_.drop_gone();
   cells_before_.reset();

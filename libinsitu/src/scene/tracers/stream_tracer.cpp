@@ -4,6 +4,7 @@
 #include "core/timer.h"
 #include "core/unsigned_zero.h"
 #include "scene/run/environment.h"
+#include "scene/run/failures.h"
 #include "scene/run/lookup.h"
 #include "scene/run/own_cell.h"
 #include "scene/run/step.h"
@@ -33,6 +34,8 @@ public:
   void execute(commit::CommittedMesh& mesh, const Step& step, bool due) override {
     if (!due)
       return;
+    counts_before_ = note_.again(step) ? counts_before_ : counts_;
+    counts_ = counts_before_; // lines of a step that comes again count once
     if (across())
       return execute_across(mesh, step);
     const core::Timer timer;
@@ -60,10 +63,7 @@ public:
     for (std::size_t v = 0; v < lines.points.size(); ++v)
       cells.push_back(own_cell(mesh, lines.cells[v], lines.points[v], environment_.world));
     const CellNames names = name_cells(mesh.mesh(), environment_.world);
-    if (writes(TableFormat::csv))
-      write_csv(step, lines, {names, cells}, columns, values);
-    if (writes(TableFormat::vtp))
-      write_vtp(step, lines, VtkColumns(columns, values));
+    write(step, lines, {names, cells}, columns, values);
     environment_.statistics.output_s += output_timer.seconds();
   }
 
@@ -99,6 +99,16 @@ private:
     const CellNames& names;
     const std::vector<OwnCell>& of;
   };
+  void write(const Step& step, const advect::Polylines& lines, const Cells& cells,
+             const std::vector<std::string>& columns, const std::vector<double>& values) {
+    written_.write(step, tracer_.output.size(), [&](std::size_t i) {
+      if (tracer_.output[i] == TableFormat::csv)
+        write_csv(step, lines, cells, columns, values);
+      else
+        write_vtp(step, lines, VtkColumns(columns, values));
+    });
+  }
+
   void write_csv(const Step& step, const advect::Polylines& lines, const Cells& cells,
                  const std::vector<std::string>& columns, const std::vector<double>& values) {
     const CellNames& names = cells.names;
@@ -141,7 +151,9 @@ private:
     series_.write(environment_, tracer_.name, step, data);
   }
 
-  advect::Counts counts_;
+  advect::Counts counts_, counts_before_; ///< before the step
+  StepNote note_;
+  Formats written_;
   TracerCells cells_{environment_.context.memory};
   VtpSeries series_;
 };
@@ -189,10 +201,7 @@ void StreamTracer::execute_across(commit::CommittedMesh& mesh, const Step& step)
     if (!world.is_root())
       return;
     const std::vector<std::string> columns = field_columns(recorded);
-    if (writes(TableFormat::csv))
-      write_csv(step, all.lines, {names, all.cells}, columns, all.values);
-    if (writes(TableFormat::vtp))
-      write_vtp(step, all.lines, VtkColumns(columns, all.values));
+    write(step, all.lines, {names, all.cells}, columns, all.values);
   });
   environment_.statistics.output_s += output_timer.seconds();
 }

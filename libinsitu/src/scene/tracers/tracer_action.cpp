@@ -104,10 +104,6 @@ void TracerAction::plan_neighbours(const commit::CommittedMesh& mesh, Plan& plan
                   : "cells fold, or it is not known whether: particles ask the tree");
 }
 
-bool TracerAction::writes(TableFormat format) const {
-  return std::find(tracer_.output.begin(), tracer_.output.end(), format) != tracer_.output.end();
-}
-
 advect::IntegratorSettings TracerAction::integrator() const {
   const IntegratorOptions& from = tracer_.integrator;
   advect::IntegratorSettings to;

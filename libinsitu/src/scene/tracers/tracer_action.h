@@ -50,7 +50,6 @@ public:
                                 std::span<const query::Location> places) const;
 
 protected:
-  bool writes(TableFormat format) const;
   advect::IntegratorSettings integrator() const;
   const std::vector<math::Vec3d>& seeds(const commit::CommittedMesh& mesh);
   /// The same of several processes, for which the root reads a file. Collective.

@@ -119,6 +119,8 @@ private:
   void close() override { table_.reset(); }
   std::int64_t size() const override { return table_->records(); }
   void shorten(std::int64_t size) override { table_->shorten(size); }
+  std::int64_t end() const override { return table_->end(); }
+  void cut_back(std::int64_t end) override { table_->cut_back(end); }
   const std::vector<std::string>& value_columns() const override { return columns_; }
   const CellNames& cell_names() const override { return names_; }
 

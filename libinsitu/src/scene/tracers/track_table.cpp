@@ -6,7 +6,21 @@
 
 namespace insitu::scene {
 
+/// The rows of the last step, and that particles ended in it.
+void TrackTable::take_back() {
+  for (const std::int64_t id : ended_)
+    written_[std::size_t(id)] = 0;
+  ended_.clear();
+  if (begin_)
+    cut_back(*begin_);
+  begin_.reset();
+}
+
 void TrackTable::write(TrackCycle& cycle) {
+  if (note_.again(cycle.step()))
+    take_back();
+  ended_.clear();
+  begin_.reset();
   const advect::Particles& p = cycle.particles();
   written_.resize(std::size_t(cycle.seeded()), 0);
   std::vector<std::size_t> indices;
@@ -19,11 +33,20 @@ void TrackTable::write(TrackCycle& cycle) {
   const TrackRows& rows = cycle.rows(indices);
   open(rows, cycle.seeded());
   frame_ = rows.frame;
-  for (std::size_t k = 0; k < cycle.times().size(); ++k)
-    add(cycle.rows_at(k));
-  add(rows);
-  for (const TrackRow& row : rows.rows)
-    written_[std::size_t(row.particle)] = row.ending != INSITU_END_ALIVE;
+  begin_ = end();
+  try {
+    for (std::size_t k = 0; k < cycle.times().size(); ++k)
+      add(cycle.rows_at(k));
+    add(rows);
+    for (const TrackRow& row : rows.rows)
+      if (row.ending != INSITU_END_ALIVE) {
+        ended_.push_back(row.particle);
+        written_[std::size_t(row.particle)] = 1;
+      }
+  } catch (...) {
+    take_back();
+    throw;
+  }
   if (cycle.due())
     flush();
 }

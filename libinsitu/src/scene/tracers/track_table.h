@@ -25,13 +25,22 @@ protected:
   /// How much is in the open file, and back to that: bytes or records.
   virtual std::int64_t size() const = 0;
   virtual void shorten(std::int64_t size) = 0;
+  /// The same with the rows that wait.
+  virtual std::int64_t end() const = 0;
+  virtual void cut_back(std::int64_t end) = 0;
   /// The columns of the open file's values.
   virtual const std::vector<std::string>& value_columns() const = 0;
   /// How the open file names cells.
   virtual const CellNames& cell_names() const = 0;
 
 private:
+  void take_back();
+
   std::vector<std::uint8_t> written_;           ///< [id] 1: the row of its ending is in the table
+  // Of the last step.
+  StepNote note_;
+  std::optional<std::int64_t> begin_; ///< where its rows begin: end() then; if some were added
+  std::vector<std::int64_t> ended_;   ///< the ids that written_ was told
   insitu_frame frame_ = insitu_frame_default(); ///< with which the file was opened
 };
 

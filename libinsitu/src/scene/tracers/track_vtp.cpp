@@ -32,12 +32,15 @@ public:
   void write(TrackCycle& cycle) override {
     if (!cycle.due())
       return;
+    if (!note_.again(cycle.step()))
+      times_recorded_ = 0;
+    for (; times_recorded_ < cycle.times().size(); ++times_recorded_)
+      record_time(cycle, times_recorded_);
+    record(cycle.particles(), cycle.geodesics(), cycle.has_times()); // those not at the step yet
     if (cycle.has_times()) {
       for (std::size_t k = 0; k < cycle.times().size(); ++k)
         write_time(cycle, k);
-      record(cycle.particles(), cycle.geodesics(), true);
     } else {
-      record(cycle.particles(), cycle.geodesics());
       std::vector<std::size_t> all(cycle.particles().size());
       std::iota(all.begin(), all.end(), std::size_t(0));
       write_particles({&cycle.rows(all)},
@@ -68,22 +71,29 @@ private:
       geodesics.put(tracks_.particles()[v], geodesics_.data() + v * width);
   }
 
+  /// The vertices of the particles that are there at the time.
+  void record_time(const TrackCycle& cycle, std::size_t k) {
+    const advect::Particles& p = cycle.particles();
+    const advect::Snapshots& at = cycle.snapshots();
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (const std::size_t item = at.item(k, i); at.present[item]) {
+        tracks_.record(p.ids[i], cycle.times()[k].time, at.positions[item], at.places[item].cell);
+        geodesics_.resize(tracks_.size() * columns_.size());
+        if (!columns_.empty())
+          cycle.geodesics().put_snapshot(item, geodesics_.end() - columns_.size());
+      }
+  }
+
   /// Those that are there at the time, and those that had ended before.
   void write_time(TrackCycle& cycle, std::size_t k) {
     const advect::Particles& p = cycle.particles();
     const advect::Snapshots& at = cycle.snapshots();
     const DueTime& due = cycle.times()[k];
     std::vector<std::size_t> ended;
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      const std::size_t item = at.item(k, i);
-      if (at.present[item]) {
-        tracks_.record(p.ids[i], due.time, at.positions[item], at.places[item].cell);
-        geodesics_.resize(tracks_.size() * columns_.size());
-        if (!columns_.empty())
-          cycle.geodesics().put_snapshot(item, geodesics_.end() - columns_.size());
-      } else if (p.endings[i] != INSITU_END_ALIVE && !own_.is_before(due.time, p.times[i]))
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (!at.present[at.item(k, i)] && p.endings[i] != INSITU_END_ALIVE &&
+          !own_.is_before(due.time, p.times[i]))
         ended.push_back(i);
-    }
     char digits[32];
     std::snprintf(digits, sizeof digits, "%06lld", static_cast<long long>(due.number));
     write_particles({&cycle.rows_at(k), &cycle.rows(ended)},
@@ -153,6 +163,8 @@ private:
   core::Buffer<double> geodesics_;   ///< [vertex of tracks_][column]
   OwnTime own_;                      ///< the tracer's
   VtpSeries series_;
+  StepNote note_;
+  std::size_t times_recorded_ = 0; ///< in tracks_, of the step's
 };
 
 } // namespace
