@@ -1,6 +1,7 @@
 #include "commit/halo/halo.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "commit/committed_mesh.h"
 
@@ -263,7 +264,10 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
         }
       },
       [&](int rank, ByteReader& from) {
-        const std::vector<std::string> theirs = take_names(from);
+        const std::vector<std::string> theirs = take_names(from), mine = mesh.mesh().field_names();
+        const auto have = [&](const std::string& name) {
+          return std::ranges::binary_search(theirs, name);
+        };
         for (Borrowed& b : borrowed_) {
           if (b.rank != rank)
             continue;
@@ -290,9 +294,19 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
                             is_float32,
                             nullptr};
           }
-          std::erase_if(b.fields, [&](const auto& f) {
-            return !std::ranges::binary_search(theirs, f.first);
-          });
+          std::erase_if(b.fields, [&](const auto& f) { return !have(f.first); });
+          for (const std::string& name : mine)
+            if (!have(name)) { // none of its values is a number
+              static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+              const mesh::FieldView field = mesh.mesh().own_field(name);
+              std::unique_ptr<Values>& values = b.fields[name];
+              values = std::make_unique<Values>(*memory_);
+              values->components.assign(std::size_t(field.components),
+                                        reinterpret_cast<const std::byte*>(&none));
+              const auto count = std::int64_t(b.value_count(field.association == INSITU_CELL));
+              values->view = {
+                  values->components.data(), {count, {count, 1}, {0, 0, 0}, true}, false, nullptr};
+            }
         }
       });
 }
