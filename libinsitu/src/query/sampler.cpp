@@ -156,11 +156,12 @@ Location Sampler::locate(const Vec3d& given, std::int64_t hint, const LocateOpti
 
 /// A point that is not strictly inside of its cell, which touches another process's, may be in one
 /// of those as well; in `exact` one that is inside too, since cells may overlap. Looks at all cells
-/// that hold it, and returns whether another one than `at` is the first.
+/// that hold it, and returns whether another one than `at` is the first, or none that is here
+/// can be known to be.
 bool Sampler::settle_at_seam(const Vec3d& p, const LocateOptions& options, Location& at,
                              Reason& reason) const {
-  const bool inside = reason == Reason::certified || reason == Reason::exact;
-  if (!at || (inside && (options.accuracy != INSITU_EXACT || mesh_->covers_once)) ||
+  const auto is_inside = [&] { return reason == Reason::certified || reason == Reason::exact; };
+  if (!at || (is_inside() && (options.accuracy != INSITU_EXACT || mesh_->covers_once)) ||
       !seams_->is_at_seam(at.cell))
     return false;
   const PointQuery query = point_query(options);
@@ -179,6 +180,12 @@ bool Sampler::settle_at_seam(const Vec3d& p, const LocateOptions& options, Locat
       reason = why.reason();
       other = true;
     }
+  }
+  // A place on the boundary of another process's cell may be owned by one that is not here.
+  if (outlook_ && !is_inside() && !owns(at.cell) && outlook_->is_beyond(p)) {
+    at = {};
+    reason = Reason::outside;
+    other = true;
   }
   return other;
 }

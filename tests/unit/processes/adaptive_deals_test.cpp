@@ -16,31 +16,35 @@ Deal random_deal(int seed, int processes) {
   };
 }
 
-constexpr int side = 4, seed_count = side * side * side;
+constexpr int side = 4, seed_count = side * side * side + 1;
 
-/// Seeds [first, last) of a box of them.
+/// Seeds [first, last) of a box of them, behind which is one on a face of leaves, at a corner of
+/// several processes.
 std::string seeds(int first, int last) {
   std::ostringstream text;
   text.precision(17);
   const auto along = [](int k) { return 0.3 + 3.4 / double(side - 1) * double(k); };
-  for (int i = first; i < last; ++i)
-    text << (i == first ? "{points: [[" : "], [") << along(i % side) << ", "
-         << along(i / side % side) << ", " << along(i / (side * side));
+  for (int i = first; i < last; ++i) {
+    text << (i == first ? "{points: [[" : "], [");
+    if (i + 1 < seed_count)
+      text << along(i % side) << ", " << along(i / side % side) << ", " << along(i / (side * side));
+    else
+      text << "2, 1.15, 3.7";
+  }
   return text.str() + "]]}";
 }
 
 /// Paths, lines and streaks from some seeds, of steps within cells and of long ones, and along
-/// walls.
-std::string scene_from(const std::string& seeds) {
+/// walls. Without lines by `nearest`, where they creep along faces.
+std::string scene_from(const std::string& seeds, insitu_reconstruction how) {
   const std::string from = "seeds: " + seeds;
   return "insitu: 1\npage: false\ntracers:\n"
          "  - {name: paths, velocity: v, fields: [s, v], output: [csv], " +
-         from +
-         "}\n"
-         "  - {name: lines, velocity: v, fields: [s], kind: streamline, until: {duration: 4},\n"
-         "     spacing: {length: 0.1}, " +
-         from +
-         "}\n"
+         from + "}\n" +
+         (how == INSITU_NEAREST ? ""
+                                : "  - {name: lines, velocity: v, fields: [s], kind: streamline,\n"
+                                  "     until: {duration: 4}, spacing: {length: 0.1}, " +
+                                      from + "}\n") +
          "  - {name: streaks, velocity: v, fields: [s], kind: streakline, times: {interval: "
          "0.07},\n"
          "     output: [csv], seeds: {points: [[1.5, 1.5, 1.5], [3.1, 1, 2.4]]}}\n"
@@ -61,7 +65,8 @@ struct Solver {
   bool regrids;
 
   std::map<std::string, std::string> files(int processes, int deal,
-                                           const std::string& scene) const {
+                                           const std::string& seeds) const {
+    const std::string scene = scene_from(seeds, how);
     const OwnFolder folder;
     const std::string out = folder / "out";
     run_processes(processes, [&](parallel::World& world) {
@@ -81,9 +86,9 @@ struct Solver {
 
 /// Over 4 and 8 processes; of a deal that differs the first seed is named that differs alone.
 void expect_one_in_any_deal(const Solver& run, const std::string& what, int deals) {
-  const std::string all = scene_from(seeds(0, seed_count));
+  const std::string all = seeds(0, seed_count);
   const auto expected = run.files(1, 0, all);
-  EXPECT_EQ(expected.size(), 8u);
+  EXPECT_EQ(expected.size(), run.how == INSITU_NEAREST ? 4u : 8u);
   for (const int processes : {4, 8})
     for (int deal = 1; deal <= deals; ++deal) {
       const auto found = run.files(processes, deal, all);
@@ -91,9 +96,9 @@ void expect_one_in_any_deal(const Solver& run, const std::string& what, int deal
         continue;
       std::string smallest = "no seed alone";
       for (int i = 0; i < seed_count; ++i) {
-        const std::string scene = scene_from(seeds(i, i + 1));
-        if (run.files(1, 0, scene) != run.files(processes, deal, scene)) {
-          smallest = "seed " + seeds(i, i + 1) + " alone";
+        const std::string seed = seeds(i, i + 1);
+        if (run.files(1, 0, seed) != run.files(processes, deal, seed)) {
+          smallest = "seed " + seed + " alone";
           break;
         }
       }
@@ -108,18 +113,22 @@ void expect_one_in_any_deal(const Solver& run, const std::string& what, int deal
 TEST(ProcessAdaptiveDeals, TracersOnLeavesDealtAtRandom) {
   expect_one_in_any_deal({{octree()}, INSITU_DUAL, false}, "octree", 2);
   expect_one_in_any_deal({{patches()}, INSITU_DUAL, false}, "patches", 2);
+  expect_one_in_any_deal({{octree()}, INSITU_NEAREST, false}, "octree by nearest", 1);
 }
 
 /// The leaves are dealt anew, and the grid becomes another one, between the cycles.
 TEST(ProcessAdaptiveDeals, TracersOverRegridsDealtAtRandom) {
-  expect_one_in_any_deal({{octree(), patches()}, INSITU_DUAL, true}, "octree", 1);
-  expect_one_in_any_deal({{patches(), octree()}, INSITU_DUAL, true}, "patches", 1);
+  for (const insitu_reconstruction how : {INSITU_DUAL, INSITU_NEAREST}) {
+    const std::string by = how == INSITU_DUAL ? " by dual" : " by nearest";
+    expect_one_in_any_deal({{octree(), patches()}, how, true}, "octree" + by, 3);
+    expect_one_in_any_deal({{patches(), octree()}, how, true}, "patches" + by, 1);
+  }
 }
 
 /// What lines are traced together does not change any of them.
 TEST(ProcessAdaptiveDeals, ALineAloneIsTheOneAmongOthers) {
   const auto lines_of = [](const Solver& run, const std::string& seeds) {
-    std::istringstream text(run.files(1, 0, scene_from(seeds)).at("lines_000002.csv"));
+    std::istringstream text(run.files(1, 0, seeds).at("lines_000002.csv"));
     std::map<int, std::string> lines; // without their numbers
     std::string row;
     std::getline(text, row);
