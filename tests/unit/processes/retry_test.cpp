@@ -1,6 +1,8 @@
 // A step of which something failed, and that the solver executes once more: the files of a run
 // without the failure.
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "fixtures/small_disk.h"
 #include "part_session.h"
@@ -254,17 +256,56 @@ TEST(Retry, AFieldThatIsGivenThen) {
     for (const char* const field : {"u", "p"})
       for (const int processes : {1, 2}) {
         const Solver solver({head + state + probes + tracers + frames, moves}, processes);
-        const Done found =
-            solver.go([&](PartSession& process, parallel::World&, int cycle, const std::string&) {
-              if (cycle == 3) {
-                process.give_fields(cycle);
-                process.part().remove_field(process.mesh().mesh(), field);
-                EXPECT_NE(process.session().execute(cycle, 0.25 * cycle), "");
-              }
-              EXPECT_EQ(process.execute(cycle), "");
-            });
-        solver.expect(solver.go(), found, field);
+        const Done expected = solver.go();
+        for (const bool one_process_lacks_it : {false, true}) {
+          const Done found = solver.go(
+              [&](PartSession& process, parallel::World& world, int cycle, const std::string&) {
+                if (cycle == 3) {
+                  process.give_fields(cycle);
+                  if (!one_process_lacks_it || world.rank() == processes - 1)
+                    process.part().remove_field(process.mesh().mesh(), field);
+                  EXPECT_NE(process.session().execute(cycle, 0.25 * cycle), "");
+                }
+                EXPECT_EQ(process.execute(cycle), "");
+              });
+          solver.expect(expected, found, field);
+        }
       }
+}
+
+/// Of what the step had written nothing is written again.
+TEST(Retry, FilesThatWereWrittenAreNotWrittenAgain) {
+  using std::filesystem::file_time_type;
+  const std::vector<std::string> written = {"gauges_000003.json", "gauges.csv", "few.nc",
+                                            "a_000003.png"};
+  for (const int processes : {1, 2}) {
+    const Solver solver({head + probes + frames}, processes);
+    const Trouble trouble = in_the_way({"gauges_000003.vtp", "b_top_000003.png"});
+    std::vector<file_time_type> before;
+    solver.go([&](PartSession& process, parallel::World& world, int cycle, const std::string& out) {
+      const auto at_cycle = [&](const std::function<void()>& act) {
+        if (cycle == 3)
+          Solver::at_root(world, act);
+      };
+      const auto times = [&] {
+        std::vector<file_time_type> of;
+        for (const std::string& file : written)
+          of.push_back(std::filesystem::last_write_time(out + "/" + file));
+        return of;
+      };
+      if (cycle == 3) {
+        Solver::at_root(world, [&] { trouble.begin(out); });
+        EXPECT_NE(process.execute(cycle), "");
+      }
+      at_cycle([&] {
+        trouble.end(out);
+        before = times();
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      });
+      EXPECT_EQ(process.execute(cycle), "");
+      at_cycle([&] { EXPECT_EQ(times(), before) << processes << " processes"; });
+    });
+  }
 }
 
 /// A step that was done in whole and is executed once more is executed in whole, and one of the

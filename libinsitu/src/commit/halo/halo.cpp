@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "commit/committed_mesh.h"
+#include "core/text.h"
 
 namespace insitu::commit {
 
@@ -207,27 +208,6 @@ void Halo::refresh_values(const CommittedMesh& mesh, parallel::World& world,
       });
 }
 
-namespace {
-
-void put_names(const std::vector<std::string>& names, ByteWriter& to) {
-  to.value(std::int64_t(names.size()));
-  for (const std::string& name : names) {
-    to.value(std::int64_t(name.size()));
-    to.array(std::span<const char>(name));
-  }
-}
-
-std::vector<std::string> take_names(ByteReader& from) {
-  std::vector<std::string> names;
-  for (auto left = from.value<std::int64_t>(); left > 0; --left) {
-    const std::vector<char> name = from.array<char>(std::size_t(from.value<std::int64_t>()));
-    names.emplace_back(name.begin(), name.end());
-  }
-  return names;
-}
-
-} // namespace
-
 /// Of a process the names of its fields, as others may have other ones; then of each piece, each of
 /// these fields: its association, components, type and values.
 void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
@@ -236,10 +216,15 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
       [&](std::vector<ByteWriter>& to) {
         std::vector<std::string> names = mesh.mesh().field_names();
         std::ranges::sort(names);
+        std::string list;
+        for (const std::string& name : names)
+          core::join(list, name);
         for (const Lent& lent : lent_) {
           ByteWriter& out = to[std::size_t(lent.rank)];
-          if (out.empty())
-            put_names(names, out);
+          if (out.empty()) {
+            out.value(std::int64_t(list.size()));
+            out.array(std::span<const char>(list));
+          }
           for (const std::string& name : names) {
             const mesh::FieldView field = mesh.lent_field(name);
             const mesh::FieldPieceView& values = field.pieces[lent.piece];
@@ -264,7 +249,9 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
         }
       },
       [&](int rank, ByteReader& from) {
-        const std::vector<std::string> theirs = take_names(from), mine = mesh.mesh().field_names();
+        const std::vector<char> list = from.array<char>(std::size_t(from.value<std::int64_t>()));
+        const std::vector<std::string> theirs = core::parted({list.data(), list.size()}),
+                                       mine = mesh.mesh().field_names();
         const auto have = [&](const std::string& name) {
           return std::ranges::binary_search(theirs, name);
         };
