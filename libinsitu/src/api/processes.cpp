@@ -7,6 +7,7 @@
 #include <map>
 #include <unistd.h>
 
+#include "api/array_watch.h"
 #include "api/meshes_of_all.h"
 #include "core/simd_target.h"
 #include "core/text.h"
@@ -61,6 +62,13 @@ bool has_cells(const commit::CommittedMesh& mesh) {
   return mesh.mesh().own_view().own_cell_count() > 0;
 }
 
+/// INSITU_WAIT, in which all processes come to a call of a checked session.
+double seconds_to_wait() {
+  const char* const given = std::getenv("INSITU_WAIT");
+  const double asked = given ? std::atof(given) : 0;
+  return asked > 0 ? asked : 60;
+}
+
 } // namespace
 
 std::shared_ptr<parallel::World> world_of(const insitu_session_options& o, const core::Log& log) {
@@ -73,7 +81,8 @@ std::shared_ptr<parallel::World> world_of(const insitu_session_options& o, const
                 "second session that writes the same files is refused");
     return std::make_shared<parallel::SerialWorld>();
   }
-  return parallel::make_mpi_world(o.communicator, o.fortran_communicator, log);
+  return parallel::make_mpi_world(o.communicator, o.fortran_communicator, log,
+                                  is_checked() ? seconds_to_wait() : 0.0);
 }
 
 int Processes::threads(const insitu_session_options& options) const {
@@ -85,9 +94,7 @@ int Processes::threads(const insitu_session_options& options) const {
 }
 
 void Processes::wait_for_all(const std::string& call) {
-  const char* const given = std::getenv("INSITU_WAIT");
-  const double asked = given ? std::atof(given) : 0;
-  const double seconds = asked > 0 ? asked : 60;
+  const double seconds = seconds_to_wait();
   const int missing = world_->wait_for_all(seconds);
   if (missing >= 0)
     throw Error(INSITU_ERROR_ORDER, call + ": process " + std::to_string(missing) + " of " +

@@ -236,7 +236,8 @@ bool CommittedMesh::update_tree(bool topology, std::uint32_t& pending, insitu_co
     fit_.put_off_build(threads.count());
     report.action = INSITU_REBUILD;
     commits_since_build_ = 0;
-    set_odd_cells(std::move(odd_cells_), threads);
+    if (!is_made())
+      set_odd_cells(std::move(odd_cells_), threads);
     return true;
   }
   bool rebuild = topology;
@@ -337,7 +338,8 @@ void CommittedMesh::commit_pending(insitu_commit_report& report, const core::Thr
   committed_ = true;
   // Steps are much alike. A search took 60 to 70 ns a hexahedron and saved 30 to 60 a point; 20
   // to 30 a wedge, and saved 50.
-  if (geometry && !lies_on_device() && many_were_located() && query::trying_pays(mesh_.view()))
+  if (geometry && !lies_on_device() && !is_made() && many_were_located() &&
+      query::trying_pays(mesh_.view()))
     look_for_folds(threads);
 }
 
@@ -368,12 +370,12 @@ insitu_commit_report CommittedMesh::commit(const core::Threads& threads, const c
 /// The mesh and its tree as they stand.
 void CommittedMesh::describe(insitu_commit_report& report) const {
   report.cost_ratio = tree_.cost_ratio();
-  const bool is_due = fit_.lacks_tree() && mesh_.view().cell_count() > 0;
+  const mesh::MeshView& counted = is_copied() || cells_wait() ? mesh_.own_view() : mesh_.view();
+  const bool is_due = fit_.lacks_tree() && counted.cell_count() > 0;
   const accel::Builder builder = is_due ? policy_.builder() : tree_.builder();
   report.builder = (tree_.empty() && !is_due) || lies_on_device() ? INSITU_BUILDER_NONE
                    : builder == accel::Builder::surface_area      ? INSITU_BUILDER_SURFACE_AREA
                                                                   : INSITU_BUILDER_MORTON;
-  const mesh::MeshView& counted = is_copied() ? mesh_.own_view() : mesh_.view();
   report.cells = counted.own_cell_count();
   report.vertices = mesh_.is_flat() && !mesh_.is_adaptive()
                         ? mesh_.solver_vertex_count()

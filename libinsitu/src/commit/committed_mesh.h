@@ -102,8 +102,7 @@ public:
   cells::Validation validate(const core::Threads& threads);
 
   bool committed() const { return committed_ && mesh_.pending() == 0; }
-  /// Throws INSITU_ERROR_ORDER unless committed.
-  void require_committed() const;
+  void require_committed() const; ///< throws INSITU_ERROR_ORDER unless committed
   /// Queries, hinted ones above all, answer fastest once it is known that no cell folds. Topology
   /// commits find out; after the vertices moved, this does, in about three refits' time (once a
   /// step): for callers with many hints. A commit calls it if the step before located many points,
@@ -129,8 +128,7 @@ public:
   /// Collective, of a committed mesh: gives it the cells of other processes that touch its own, or
   /// brings them up to date; of an adaptive mesh they are leaves, of which its cells at seams
   /// are made; a mesh in device memory gets none. A mesh in longitude and latitude has the whole
-  /// mesh's chart then. Throws parallel::AgreedError; the mesh
-  /// then has no halo and is to be committed again.
+  /// mesh's chart then. Throws parallel::AgreedError; the mesh then is to be committed again.
   void update_halo(parallel::World& world, const core::Threads& threads, const core::Log& log);
   /// From the next update_halo() on, cells that touch over these sides of the mesh's box are in it,
   /// too, and stay in it. All processes say the same.
@@ -195,7 +193,7 @@ public:
   }
   /// The mesh's copy audit, and the copies of a stand-in.
   std::vector<insitu_audit_entry> audit() const;
-  /// Whether the mesh is a flat one, on this process or on another, as far as is known; its plane.
+  /// Whether the mesh is flat, on this process or on another, as far as is known; its plane.
   bool is_flat() const { return mesh_.is_flat() || whole_flat_.any(); }
   double plane() const { return mesh_.is_flat() ? mesh_.view().plane : whole_flat_.least; }
   /// Moves points of the mesh's frame into the plane of a flat mesh, where their third coordinate
@@ -214,10 +212,9 @@ public:
   /// So many of these were located for frames: no reason to build the tree anew for values alone.
   void note_drawn(std::int64_t points) const { drawn_ += points; }
 
-  /// Differs from that of every other mesh of the process, past ones included.
+  /// Differs from that of every other mesh of the process, past ones too.
   std::uint64_t id() const { return id_; }
-  /// Grow with each commit that changed values, or cells and coordinates: for caches made from
-  /// them.
+  /// Grow with each commit that changed values, or cells and coordinates: for what is made of them.
   std::uint64_t fields_version() const { return fields_version_; }
   std::uint64_t tree_version() const { return tree_version_; }
   std::uint64_t topology_version() const { return topology_version_; }
@@ -226,8 +223,7 @@ public:
   /// Grows with each commit of what the solver has changed, and neither with halos nor when only
   /// the tree is built anew.
   std::uint64_t own_version() const { return own_version_; }
-  /// Grows with each commit of moved vertices or other cells, and not when only the tree is built
-  /// anew.
+  /// Grows with each commit of moved vertices or other cells, not when the tree alone is new.
   std::uint64_t geometry_version() const { return geometry_version_; }
 
   /// The versions that records tell of the solver's cells and of their places: equal ones are the
@@ -306,6 +302,7 @@ private:
   std::optional<query::ChartImage> chart() const;
   /// The cells are made from the solver's, and right by construction.
   bool is_made() const { return stand_in_ && stand_in_->is_made(); }
+  bool cells_wait() const { return stand_in_ && stand_in_->waits(); }
   /// The cells are the solver's, some of them in copies.
   bool is_copied() const { return stand_in_ && !stand_in_->is_made(); }
   bool tells_one_mesh() const { return stand_in_ && stand_in_->tells_one_mesh(); }
@@ -379,6 +376,7 @@ private:
   std::optional<insitu_validation> own_counts_;
   std::uint64_t own_topology_version_ = 0;
   std::uint64_t halo_topology_ = 0, halo_geometry_ = 0, halo_fields_ = 0; ///< versions in it
+  std::uint64_t halo_moves_ = 0; ///< since its cells were others
   // The earlier step, for pathlines (committed_mesh_earlier.cpp).
   mesh::CellsCopy earlier_cells_;
   std::uint64_t earlier_cells_version_ = 0; ///< topology_version() of that copy, or of the step

@@ -1,8 +1,10 @@
 /// The cells of other processes beside a mesh's own.
 #include <algorithm>
+#include <bit>
 
 #include "commit/committed_mesh.h"
 #include "commit/halo/seam_faces.h"
+#include "commit/halo/seam_names.h"
 #include "commit/standins/adaptive.h"
 #include "core/status.h"
 
@@ -99,7 +101,8 @@ void CommittedMesh::update_leaf_halo(parallel::World& world, const core::Threads
     choose_stand_in();
     mesh_.update(&threads);
   });
-  halo_->find_leaves(mesh_, world, threads);
+  const auto* const made = dynamic_cast<const Adaptive*>(stand_in_.get());
+  halo_->find_leaves(mesh_, made && made->waits() ? &made->leaves() : nullptr, world, threads);
   mesh::Mesh none("", *memory_); // on a process that does not say where it would have leaves
   std::int64_t is_nearest = mesh_.is_adaptive() && mesh_.reconstruction() == INSITU_NEAREST;
   world.reduce(std::span(&is_nearest, 1), Reduction::greatest);
@@ -112,7 +115,7 @@ void CommittedMesh::update_leaf_halo(parallel::World& world, const core::Threads
     (mesh_.is_adaptive() ? mesh_ : none).update(&threads);
   });
   std::unique_ptr<Adaptive> other;
-  Adaptive* to = dynamic_cast<Adaptive*>(stand_in_.get());
+  auto* to = dynamic_cast<Adaptive*>(stand_in_.get());
   if (!to) {
     other = std::make_unique<Adaptive>(*memory_);
     to = other.get();
@@ -180,6 +183,10 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
   }
   const bool none = any[0], topology = any[1], geometry = any[2], fields = any[3];
   const bool leaves = any[5];
+  halo_moves_ = topology ? 0 : halo_moves_ + geometry;
+  // Vertices of processes that move them apart are found out, at less and less cost a step.
+  const bool looks =
+      !none && !leaves && (topology || (geometry && std::has_single_bit(halo_moves_)));
   SeamMismatches mismatches;
   try {
     world.agree_after([&] {
@@ -208,14 +215,17 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
       if (mesh_.pending() != 0)
         commit_pending(report, threads, log, false);
       in_halo_commit_ = false;
-      if (!none && topology && !leaves)
+      if (looks)
         mismatches = find_seam_mismatches(*this);
     });
-    if (const std::string what = !none && leaves && topology
-                                     ? commit::describe(halo_->gaps(), world)
-                                     : commit::describe(mismatches, world);
-        !what.empty() && world.is_root())
-      log.warning("mesh '" + mesh_.name() + "': " + what);
+    const bool others = !none && topology; // cells
+    for (const std::string& what :
+         {looks ? commit::describe(mismatches, world) : std::string(),
+          looks && others ? describe_twice(mismatches, world) : std::string(),
+          leaves && others ? describe_gaps(halo_->gaps(), world) : std::string(),
+          others ? describe_wrong_ids(*this, world) : std::string()})
+      if (!what.empty() && world.is_root())
+        log.warning("mesh '" + mesh_.name() + "': " + what);
   } catch (...) {
     in_halo_commit_ = false;
     drop_halo();

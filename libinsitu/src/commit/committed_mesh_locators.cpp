@@ -30,9 +30,11 @@ void CommittedMesh::update_locators(std::uint32_t pending, const core::Threads& 
 }
 
 /// The tree of a mesh that is spread over processes is built with its halo, if somebody asks for
-/// that, which looks for it without a tree.
+/// that, which looks for it without a tree; cells that wait are not asked for here.
 bool CommittedMesh::build_may_wait(const core::Threads& threads) const {
   constexpr double bound = 0.25 * math::largest_coordinate;
+  if (cells_wait())
+    return true;
   const query::LocatorPick& pick = locators_.pick();
   return mesh_.adaptive().is_part && !in_halo_commit_ && !stand_in_ &&
          pick.method == accel::Method::bvh && pick.backend == accel::Backend::cpu &&

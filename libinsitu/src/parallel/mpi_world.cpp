@@ -107,12 +107,12 @@ public:
   }
   /// Duplicates the communicator, on all processes. made: null where there was no memory for it.
   static void open(MpiWorld* made, const insitu_mpi_functions& mpi, const void* communicator,
-                   std::int32_t fortran_communicator, const core::Log& log) {
+                   std::int32_t fortran_communicator, double seconds, const core::Log& log) {
     insitu_mpi_world* world = nullptr;
     int rank = -1, size = 1, on_this_node = 1, single = 0;
     char message[INSITU_MPI_MESSAGE] = "";
-    const int status = mpi.open(communicator, fortran_communicator, !made, &world, &rank, &size,
-                                &on_this_node, &single, message);
+    const int status = mpi.open(communicator, fortran_communicator, !made, seconds, &world, &rank,
+                                &size, &on_this_node, &single, message);
     if (status == INSITU_MPI_MEMORY)
       throw AgreedError(INSITU_ERROR_MEMORY, message, rank == 0);
     check(status, message);
@@ -206,7 +206,7 @@ const char* mpi_of(const char* library) {
 }
 
 std::shared_ptr<World> make_mpi_world(const void* communicator, std::int32_t fortran_communicator,
-                                      const core::Log& log) {
+                                      const core::Log& log, double seconds) {
   if (!has_mpi())
     throw Error(INSITU_ERROR_UNSUPPORTED, "communicator: this build has no MPI");
   const insitu_mpi_functions& mpi = functions();
@@ -215,7 +215,7 @@ std::shared_ptr<World> make_mpi_world(const void* communicator, std::int32_t for
     made = std::make_shared<MpiWorld>(mpi);
   } catch (const std::bad_alloc&) { // told to the others, once they can hear of it
   }
-  MpiWorld::open(made.get(), mpi, communicator, fortran_communicator, log);
+  MpiWorld::open(made.get(), mpi, communicator, fortran_communicator, seconds, log);
   return made;
 }
 

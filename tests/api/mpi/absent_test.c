@@ -1,5 +1,6 @@
 /* A process that does not come is named, and nobody hangs: mpiexec -n 3, INSITU_CHECKED=1, a short
- * INSITU_WAIT. Once the last process does not call, once the root. */
+ * INSITU_WAIT. Once the last process does not call, once the root; at last one does
+ * not open. */
 #include <insitu/insitu.h>
 #include <mpi.h>
 #include <stdio.h>
@@ -50,12 +51,39 @@ static int run(int rank, int absent, const char* name) {
   return failed;
 }
 
+/* The last process opens no session until the others have given up, in a communicator of their own,
+ * which is of no use afterwards. */
+static int open_without_one(int rank) {
+  int failed = 0;
+  insitu_session session = NULL;
+  insitu_session_options options = insitu_session_options_default();
+  MPI_Comm own = MPI_COMM_NULL;
+  MPI_Comm_dup(MPI_COMM_WORLD, &own);
+  options.communicator = &own;
+  options.log = quiet;
+  if (rank == 2)
+    MPI_Barrier(MPI_COMM_WORLD);
+  const double begin = MPI_Wtime();
+  failed +=
+      wrong(rank, "open", insitu_session_open(&options, &session), INSITU_ERROR_ORDER,
+            rank == 2 ? "communicator: "
+                      : "communicator: not all of its 3 processes opened a session within 4 s");
+  if (session || MPI_Wtime() - begin > 20) {
+    fprintf(stderr, "process %d waited for %g s, or has a session\n", rank, MPI_Wtime() - begin);
+    ++failed;
+  }
+  if (rank != 2)
+    MPI_Barrier(MPI_COMM_WORLD);
+  return failed;
+}
+
 int main(int argc, char** argv) {
   int failed = 0, any = 0, rank = 0;
   MPI_Init(&argc, &argv);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   failed += run(rank, 2, "execute: process 2 of 3 did not call it within 4 s");
   failed += run(rank, 0, "execute: process 0 of 3 did not call it within 4 s");
+  failed += open_without_one(rank); /* last: no session can be opened any more */
   MPI_Allreduce(&failed, &any, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
   MPI_Finalize();
   return any != 0;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "commit/halo/seam_faces.h"
@@ -24,6 +25,9 @@ struct Search {
   double tolerance = 1e-6;
   insitu_frame frame = insitu_frame_default();
   bool ids = true;
+  /// After a process's part is given.
+  std::function<void(mesh::Mesh&, const fixtures::Part&, int rank)> then =
+      [](mesh::Mesh&, const fixtures::Part&, int) {};
 };
 
 struct Found {
@@ -53,6 +57,7 @@ Found search(
     mesh.seam_tolerance = s.tolerance;
     fixtures::Part part(s.whole, s.partition, world.rank());
     part.give(mesh.mesh(), s.ids);
+    s.then(mesh.mesh(), part, world.rank());
     std::vector<Vec3d> moved;
     for (const Vec3d& x : s.whole.vertices)
       moved.push_back(s.displaced(x, world.rank()));
@@ -294,4 +299,92 @@ TEST(SeamFaces, OfGlobesMatch) {
         expect_none(search(s), partition.name);
       }
     }
+}
+
+/// Processes that move the vertices between them apart, once a step, are told so by the first, the
+/// second, the fourth step; others never.
+TEST(SeamFaces, ThatMoveApart) {
+  const test::TestMesh whole = test::jittered_cubes(3);
+  const fixtures::Partition partition = fixtures::slabs(whole, 2);
+  for (const double apart : {0.0, 1e-9}) {
+    std::vector<std::size_t> said; // after each step, at the root
+    test::run_processes(2, [&](parallel::World& world) {
+      core::Memory memory;
+      const core::Threads threads(1);
+      std::size_t count = 0;
+      const core::Log log{INSITU_LOG_WARNING,
+                          [](insitu_log_level, const char* text, void* to) {
+                            *static_cast<std::size_t*>(to) +=
+                                std::string(text).find("faces on seams") != std::string::npos;
+                          },
+                          &count};
+      commit::CommittedMesh mesh("part", memory);
+      mesh.mesh().set_is_part(true);
+      fixtures::Part part(whole, partition, world.rank());
+      part.give(mesh.mesh(), true);
+      for (int step = 0; step < 6; ++step) {
+        std::vector<Vec3d> moved;
+        for (const Vec3d& x : whole.vertices)
+          moved.push_back(x + (0.1 + apart * world.rank()) * double(step) * Vec3d{0, 0, 1});
+        part.move(mesh.mesh(), moved);
+        mesh.commit(threads, log, memory, false);
+        mesh.update_halo(world, threads, log);
+        if (world.is_root())
+          said.push_back(count);
+      }
+    });
+    EXPECT_EQ(said, apart == 0.0 ? (std::vector<std::size_t>{0, 0, 0, 0, 0, 0})
+                                 : (std::vector<std::size_t>{0, 1, 2, 2, 3, 3}));
+  }
+}
+
+/// What is said of the cells of the mesh, but for faces.
+void expect_said(const Found& found, const std::vector<std::string>& parts) {
+  ASSERT_EQ(found.said.size(), 1u);
+  for (const std::string& part : parts)
+    EXPECT_NE(found.said[0].find(part), std::string::npos) << part << " in: " << found.said[0];
+}
+
+/// Each process gives its own numbers as global ids.
+TEST(SeamNames, NumbersOfAProcessAlone) {
+  const test::TestMesh whole = test::jittered_cubes(3);
+  Search s{whole, fixtures::slabs(whole, 3)};
+  std::vector<std::int64_t> own(whole.cells.size());
+  std::iota(own.begin(), own.end(), std::int64_t(0));
+  s.then = [&](mesh::Mesh& mesh, const fixtures::Part& part, int) {
+    const insitu_array ids =
+        insitu_array_of(own.data(), INSITU_INT64, std::int64_t(part.pieces()[0].cells.size()), 1);
+    mesh.set_global_ids(0, INSITU_CELL, &ids);
+  };
+  // All cells of slabs of 9 cells have the ids of those beside them, the middle one's twice.
+  expect_said(search(s), {"mesh 'part': 36 cells have the global id of another process's cell",
+                          "the first of process 0, piece 0, cell 0 and process 1, piece 0, cell 0:",
+                          "a process's own numbers are no global ids"});
+}
+
+TEST(SeamNames, IdsOfSomeProcessesOnly) {
+  const test::TestMesh whole = test::jittered_cubes(3);
+  Search s{whole, fixtures::slabs(whole, 3)};
+  s.then = [&](mesh::Mesh& mesh, const fixtures::Part&, int rank) {
+    if (rank == 1)
+      mesh.set_global_ids(0, INSITU_CELL, nullptr);
+  };
+  expect_said(search(s), {"process 0 gives global ids of cells and process 1 gives none"});
+}
+
+/// Copies of others' cells that are not given as ghosts.
+TEST(SeamNames, CellsThatTwoProcessesGive) {
+  const test::TestMesh whole = test::jittered_cubes(3);
+  Search s{whole, fixtures::with_ghosts(fixtures::slabs(whole, 3))};
+  EXPECT_TRUE(search(s).said.empty());
+  const std::vector<std::uint8_t> none(whole.cells.size());
+  s.ids = false;
+  s.then = [&](mesh::Mesh& mesh, const fixtures::Part& part, int) {
+    const insitu_array bits =
+        insitu_array_of(none.data(), INSITU_UINT8, std::int64_t(part.pieces()[0].cells.size()), 1);
+    mesh.set_ghosts(0, &bits, INSITU_GHOSTS_VTK);
+  };
+  // The outer slabs have two of three slabs, the middle one all.
+  expect_said(search(s), {"cells are cells of another process, too, to the bit",
+                          "they count twice; all but one of these are to be ghosts"});
 }

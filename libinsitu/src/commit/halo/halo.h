@@ -50,8 +50,10 @@ public:
             const core::Threads& threads);
   /// Collective: the same of an adaptive mesh, as of an update() without a halo: leaves, with the
   /// ghost cells that the solver has beyond them, in as many layers as its reconstruction takes
-  /// (leaf_halo.cpp). On a process without cells the mesh may be any.
-  void find_leaves(const mesh::Mesh& mesh, parallel::World& world, const core::Threads& threads);
+  /// (leaf_halo.cpp). On a process without cells the mesh may be any. own: of the mesh's leaves,
+  /// where that is there; or null.
+  void find_leaves(const mesh::Mesh& mesh, const amr::LeafMap* own, parallel::World& world,
+                   const core::Threads& threads);
   /// Collective: copies the vertices again, which moved. Throws parallel::AgreedError, as all here.
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: copies the values of all fields.
@@ -69,8 +71,8 @@ public:
   const std::uint64_t* covered() const override {
     return covered_.empty() ? nullptr : covered_.data();
   }
-  /// Beside this process's leaves.
-  const LeafGaps& gaps() const { return gaps_; }
+  /// Beside this process's leaves: LeafSearch::gaps.
+  const CellPairs& gaps() const { return gaps_; }
   /// Which leaves of this process others have.
   std::span<const amr::LentLeaf> lent_leaves() const { return lent_leaves_; }
   /// A bit for each leaf of the halo that does not touch this process's: it is of the last layer.
@@ -157,7 +159,7 @@ private:
   std::vector<std::uint64_t> covered_; ///< a bit a flat cell
   std::vector<amr::LentLeaf> lent_leaves_;
   std::vector<std::uint64_t> outermost_;
-  LeafGaps gaps_;
+  CellPairs gaps_;
   mutable std::int64_t bytes_sent_ = 0;
 };
 

@@ -35,7 +35,8 @@ void LeafSearch::find_gaps() {
         const int axis = face >> 1, step = face & 1 ? 1 : -1;
         AmrCell beyond = cell;
         beyond.index[axis] += step;
-        if (overlapping_leaf(around_.store(), beyond) != amr::BrickStore::nothing)
+        if (overlapping_leaf(own_->store(), beyond) != amr::BrickStore::nothing ||
+            overlapping_leaf(near_.store(), beyond) != amr::BrickStore::nothing)
           continue;
         beyond.index[axis] += step;
         ToldLeaf asked = told(flat);
@@ -52,7 +53,7 @@ void LeafSearch::find_gaps() {
     for (Parcel& parcel : parcels) {
       std::vector<Pair> found;
       for (const ToldLeaf& asked : parallel::items_of<ToldLeaf>(parcel.bytes))
-        if (const std::uint32_t leaf = overlapping_leaf(own_.store(), asked.cell());
+        if (const std::uint32_t leaf = overlapping_leaf(own_->store(), asked.cell());
             leaf != amr::BrickStore::nothing)
           found.push_back({asked.name, told(leaf).name});
       parcel.bytes = parallel::bytes_of(found);
@@ -63,10 +64,7 @@ void LeafSearch::find_gaps() {
   world_.agree_after([&] {
     for (const Parcel& parcel : parcels)
       for (const Pair& pair : parallel::items_of<Pair>(parcel.bytes))
-        if (gaps.count++ == 0 || pair.own < gaps.own) {
-          gaps.own = pair.own;
-          gaps.other = pair.other;
-        }
+        gaps.add(pair.own, pair.other);
   });
 }
 

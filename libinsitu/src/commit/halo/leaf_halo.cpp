@@ -76,11 +76,11 @@ void Halo::lend_leaves(const mesh::Mesh& mesh, int rank, ByteReader& from) {
   }
 }
 
-void Halo::find_leaves(const mesh::Mesh& mesh, parallel::World& world,
+void Halo::find_leaves(const mesh::Mesh& mesh, const amr::LeafMap* own, parallel::World& world,
                        const core::Threads& threads) {
   std::int64_t is_dual = mesh.is_adaptive() && mesh.reconstruction() == INSITU_DUAL;
   world.reduce(std::span(&is_dual, 1), parallel::Reduction::greatest);
-  LeafSearch search(mesh, world, *memory_, threads);
+  LeafSearch search(mesh, own, world, *memory_, threads);
   search.find(is_dual ? layers_of_dual : layers_of_nearest);
   gaps_ = search.gaps;
   std::vector<Borrowed> before;

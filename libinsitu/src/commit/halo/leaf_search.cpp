@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <string>
 
 #include "amr/values/leaf_gradient.h"
@@ -27,10 +28,6 @@ std::tuple<std::int32_t, std::int32_t, std::int64_t> place_of(const ToldLeaf& le
 void normalize(std::vector<ToldLeaf>& leaves) {
   std::ranges::sort(leaves, {}, place_of);
   leaves.erase(std::ranges::unique(leaves, {}, place_of).begin(), leaves.end());
-}
-
-bool holds(const std::vector<ToldLeaf>& leaves, const ToldLeaf& leaf) {
-  return std::ranges::binary_search(leaves, place_of(leaf), {}, place_of);
 }
 
 std::string name_of(const mesh::CellName& name) {
@@ -119,10 +116,10 @@ AmrPieceView ToldLeaves::view() const {
   return v;
 }
 
-LeafSearch::LeafSearch(const mesh::Mesh& mesh, parallel::World& world, core::Memory& memory,
-                       const core::Threads& threads)
-    : mesh_(mesh), world_(world), memory_(memory), threads_(threads), own_(memory),
-      around_(memory) {
+LeafSearch::LeafSearch(const mesh::Mesh& mesh, const amr::LeafMap* own, parallel::World& world,
+                       core::Memory& memory, const core::Threads& threads)
+    : mesh_(mesh), world_(world), memory_(memory), threads_(threads), own_(own), made_(memory),
+      near_(memory) {
   if (mesh.is_adaptive())
     view_ = mesh.adaptive();
   else
@@ -245,9 +242,14 @@ void LeafSearch::find_covered() {
     parcels = parallel::parcels_of(to);
   });
   if (!any) {
-    world_.agree_after([&] { own_.build(view_, threads_); });
+    world_.agree_after([&] {
+      if (!own_)
+        made_.build(view_, threads_);
+    });
+    own_ = own_ ? own_ : &made_;
     return;
   }
+  own_ = &made_;
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {
     std::vector<AmrPieceView> others;
@@ -260,20 +262,20 @@ void LeafSearch::find_covered() {
           others.push_back(patch);
       }
     const PiecesAndMore all(view_, others);
-    own_.build(all.view, threads_);
+    made_.build(all.view, threads_);
     covered.assign(std::size_t((view_.cell_count() + 63) / 64), 0);
     for (std::int64_t flat = 0; flat < view_.cell_count(); ++flat) {
       const AmrCell cell = amr::cell_at(view_, flat);
-      if (own_.at(cell.depth, cell.index) != std::uint32_t(flat))
+      if (made_.at(cell.depth, cell.index) != std::uint32_t(flat))
         covered[std::size_t(flat >> 6)] |= std::uint64_t(1) << (flat & 63);
     }
     view_.covered = covered.data();
-    own_.build(view_, threads_);
+    made_.build(view_, threads_);
   });
 }
 
 void LeafSearch::require_apart(const ToldLeaf& other) const {
-  const std::uint32_t mine = overlapping_leaf(own_.store(), other.cell());
+  const std::uint32_t mine = overlapping_leaf(own_->store(), other.cell());
   if (mine != amr::BrickStore::nothing)
     throw core::Error(INSITU_ERROR_MESH,
                       "mesh '" + mesh_.name() + "': cells of two processes overlap: " +
@@ -297,14 +299,17 @@ void LeafSearch::find_near() {
       for (const ToldLeaf& leaf : parallel::items_of<ToldLeaf>(parcel.bytes)) {
         require_apart(leaf);
         bool touches = false;
-        for_touching(own_.store(), leaf.cell(), [&](std::uint32_t) { touches = true; });
+        for_touching(own_->store(), leaf.cell(), [&](std::uint32_t) { touches = true; });
         if (touches)
           near.push_back(leaf);
       }
     normalize(near);
     const ToldLeaves leaves(near);
     const AmrPieceView piece = leaves.view();
-    around_.build(PiecesAndMore(view_, std::span(&piece, 1)).view, threads_);
+    AmrView none = view_;
+    none.piece_count = 0;
+    none.covered = nullptr;
+    near_.build(PiecesAndMore(none, std::span(&piece, 1)).view, threads_);
   });
 }
 
@@ -320,19 +325,19 @@ void LeafSearch::add_layer(std::vector<ToldLeaf>& frontier) {
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {
     for (Parcel& parcel : parcels) {
-      std::vector<std::uint32_t> touching;
-      std::vector<bool> is_there(std::size_t(view_.cell_count()) + near.size());
-      for (const ToldLeaf& leaf : parallel::items_of<ToldLeaf>(parcel.bytes))
-        for_touching(around_.store(), leaf.cell(), [&](std::uint32_t id) {
-          if (!is_there[id])
-            touching.push_back(id);
-          is_there[id] = true;
-        });
-      std::ranges::sort(touching);
+      std::vector<bool> own(std::size_t(view_.cell_count())), others(near.size()); // are told
       std::vector<ToldLeaf> answers;
-      for (const std::uint32_t id : touching) {
-        const std::int64_t n = std::int64_t(id) - view_.cell_count();
-        answers.push_back(n < 0 ? told(id) : near[std::size_t(n)]);
+      for (const ToldLeaf& leaf : parallel::items_of<ToldLeaf>(parcel.bytes)) {
+        for_touching(own_->store(), leaf.cell(), [&](std::uint32_t id) {
+          if (!own[id])
+            answers.push_back(told(id));
+          own[id] = true;
+        });
+        for_touching(near_.store(), leaf.cell(), [&](std::uint32_t n) {
+          if (!others[n])
+            answers.push_back(near[n]);
+          others[n] = true;
+        });
       }
       parcel.bytes = parallel::bytes_of(answers);
     }
@@ -340,14 +345,19 @@ void LeafSearch::add_layer(std::vector<ToldLeaf>& frontier) {
   });
   parcels = world_.exchange(parcels);
   world_.agree_after([&] {
-    frontier.clear();
+    std::vector<ToldLeaf> told_ones, unknown;
     for (const Parcel& parcel : parcels)
       for (const ToldLeaf& leaf : parallel::items_of<ToldLeaf>(parcel.bytes))
-        if (leaf.name.rank != world_.rank() && !holds(near, leaf) && !holds(far, leaf))
-          frontier.push_back(leaf);
-    normalize(frontier);
-    far.insert(far.end(), frontier.begin(), frontier.end());
-    normalize(far);
+        if (leaf.name.rank != world_.rank())
+          told_ones.push_back(leaf);
+    normalize(told_ones);
+    std::ranges::set_difference(told_ones, near, std::back_inserter(unknown), {}, place_of,
+                                place_of);
+    frontier.clear();
+    std::ranges::set_difference(unknown, far, std::back_inserter(frontier), {}, place_of, place_of);
+    std::vector<ToldLeaf> all;
+    std::ranges::merge(far, frontier, std::back_inserter(all), {}, place_of, place_of);
+    far = std::move(all);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "amr/leaves/leaf_map.h"
+#include "commit/halo/cell_pairs.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "mesh/cell_name.h"
@@ -42,23 +43,15 @@ private:
   std::int64_t ghosts_ = 0;
 };
 
-/// Places beside leaves that no leaf of any process covers, as wide as the leaf, beyond which
-/// another process has leaves: where a layer of cells was left out between them. A domain may have
-/// such a slot, too.
-struct LeafGaps {
-  std::int64_t count = 0;    ///< faces of this process's leaves
-  mesh::CellName own, other; ///< of the first, if there is one
-};
-
 /// Finds, on all processes at once, the leaves of others that surround a process's own: those that
 /// touch one of them, by a face, an edge or a corner, and those that touch these, in so many
 /// layers. All steps are collective.
 class LeafSearch {
 public:
   /// mesh: adaptive, as of an update() without a halo; on a process without cells it may be any. It
-  /// must outlive the object.
-  LeafSearch(const mesh::Mesh& mesh, parallel::World& world, core::Memory& memory,
-             const core::Threads& threads);
+  /// must outlive the object. own: of the mesh's leaves, where that is there; or null.
+  LeafSearch(const mesh::Mesh& mesh, const amr::LeafMap* own, parallel::World& world,
+             core::Memory& memory, const core::Threads& threads);
 
   /// Throws parallel::AgreedError that names both leaves where those of two processes overlap, and
   /// the processes whose lattices differ.
@@ -67,7 +60,10 @@ public:
   std::vector<ToldLeaf> near;         ///< those that touch, by process, piece and cell
   std::vector<ToldLeaf> far;          ///< the others, in the same order
   std::vector<ToldLeaf> outermost;    ///< of these, those of the last layer
-  LeafGaps gaps;
+  /// Places beside leaves that no leaf of any process covers, as wide as the leaf, beyond which
+  /// another process has leaves: where a layer of cells was left out between them. A domain may
+  /// have such a slot, too. Pairs of faces of this process's leaves.
+  CellPairs gaps;
   std::vector<std::uint64_t> covered; ///< see mesh::AmrView; empty: none
 
 private:
@@ -94,7 +90,8 @@ private:
   std::int64_t no_cells_ = 0;  ///< first_cell of a mesh that is not adaptive
   std::int64_t run_ = 1;       ///< of this many cells each is a box of this process
   query::Directory directory_; ///< of leaves
-  amr::LeafMap own_, around_;  ///< of the own leaves; with those that touch them
+  const amr::LeafMap* own_;    ///< of the own leaves
+  amr::LeafMap made_, near_;   ///< the same if it was not there; of `near`, by their places there
 };
 
 template <class F>
@@ -135,7 +132,7 @@ void LeafSearch::for_leaves_beside(double sizes, F&& f) const {
             return mesh::meet(box, other);
           }))
         ranks.push_back(b.rank);
-    if (!ranks.empty() && own_.at(cell.depth, cell.index) == std::uint32_t(flat))
+    if (!ranks.empty() && own_->at(cell.depth, cell.index) == std::uint32_t(flat))
       f(flat, cell, std::span<const int>(ranks));
   }
 }

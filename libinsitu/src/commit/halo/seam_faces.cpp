@@ -55,7 +55,6 @@ struct Face {
   std::array<Vec3d, 4> at{}; ///< where these are
   std::int64_t cell = 0;     ///< flat
 
-  bool is(const Face& b) const { return count == b.count && x == b.x; }
   Vec3d middle() const {
     Vec3d sum;
     for (int v = 0; v < count; ++v)
@@ -72,61 +71,84 @@ struct Face {
   static double norm(const Vec3d& d) { return std::sqrt(dot(d, d)); }
 };
 
-void add_faces(const mesh::MeshView& view, const Places& places, std::int64_t flat,
-               std::vector<Face>& faces) {
+Face face_of(const mesh::MeshView& view, const Places& places, std::int64_t flat, int number) {
   mesh::CellVertices cell;
   mesh::gather(view, flat, cell);
   const cells::FaceTable table = cells::face_table(cell.shape);
-  for (int f = 0; f < table.face_count; ++f) {
-    Face face;
-    face.count = table.faces[f].vertex_count;
-    face.cell = flat;
-    for (int v = 0; v < face.count; ++v) { // in its place among those before
-      const Vec3d x = places.one(cell.x[table.faces[f].vertices[v]]);
-      std::size_t at = std::size_t(v);
-      for (; at > 0 && std::tie(x.x, x.y, x.z) <
-                           std::tie(face.x[at - 1].x, face.x[at - 1].y, face.x[at - 1].z);
-           --at)
-        face.x[at] = face.x[at - 1];
-      face.x[at] = x;
+  const cells::Face& vertices = table.faces[number];
+  Face face;
+  face.count = vertices.vertex_count;
+  face.cell = flat;
+  for (int v = 0; v < face.count; ++v) { // in its place among those before
+    const Vec3d x = places.one(cell.x[vertices.vertices[v]]);
+    std::size_t at = std::size_t(v);
+    for (; at > 0 &&
+           std::tie(x.x, x.y, x.z) < std::tie(face.x[at - 1].x, face.x[at - 1].y, face.x[at - 1].z);
+         --at)
+      face.x[at] = face.x[at - 1];
+    face.x[at] = x;
+  }
+  for (int v = 0; v < face.count; ++v)
+    face.at[std::size_t(v)] = places.place(face.x[std::size_t(v)]);
+  return face;
+}
+
+/// Faces by hashes of their vertices, of which none but those that are alike to the bit are taken
+/// to be equal: of a million faces two others are in one of 10^7 cases.
+class FacesByHash {
+public:
+  explicit FacesByHash(std::size_t faces)
+      : mask_(std::bit_ceil(2 * faces + 1) - 1), slots_(mask_ + 1, Slot{0, none}) {}
+
+  /// Returns the hash of the cell's vertices.
+  std::uint64_t add(const mesh::MeshView& view, const Places& places, std::int64_t flat) {
+    mesh::CellVertices cell;
+    mesh::gather(view, flat, cell);
+    std::uint64_t of_vertex[8], of_cell = 0;
+    for (int v = 0; v < cell.count; ++v)
+      of_cell += of_vertex[v] = hash_of(places.one(cell.x[v]));
+    const cells::FaceTable table = cells::face_table(cell.shape);
+    for (int f = 0; f < table.face_count; ++f) {
+      std::uint64_t sum = 0; // in whatever order they are
+      for (int v = 0; v < table.faces[f].vertex_count; ++v)
+        sum += of_vertex[table.faces[f].vertices[v]];
+      std::size_t at = std::size_t(sum ^ (sum >> 32)) & mask_;
+      while (slots_[at].face != none && slots_[at].hash != sum)
+        at = (at + 1) & mask_;
+      slots_[at] = {sum, slots_[at].face == none ? 8 * flat + f : matched};
     }
-    for (int v = 0; v < face.count; ++v)
-      face.at[std::size_t(v)] = places.place(face.x[std::size_t(v)]);
-    faces.push_back(face);
+    return of_cell;
   }
-}
+  /// Calls f(cell, number of its face) for those that occur once, in the order of cells.
+  template <class F>
+  void for_unmatched(F&& f) const {
+    std::vector<std::int64_t> faces;
+    for (const Slot& slot : slots_)
+      if (slot.face >= 0)
+        faces.push_back(slot.face);
+    std::ranges::sort(faces);
+    for (const std::int64_t face : faces)
+      f(face >> 3, int(face & 7));
+  }
 
-std::uint64_t hash_of(const Face& face) {
-  std::uint64_t hash = std::uint64_t(face.count);
-  for (const Vec3d& x : face.x)
-    for (int a = 0; a < 3; ++a) // both zeros are one
-      hash = std::rotl((hash ^ std::bit_cast<std::uint64_t>(x[a] + 0.0)) * 0x9e3779b97f4a7c15u, 29);
-  return hash;
-}
-
-/// Leaves those that occur once: the others match to the bit.
-void leave_unmatched(std::vector<Face>& faces) {
-  struct Key {
+private:
+  static constexpr std::int64_t none = -1, matched = -2;
+  struct Slot {
     std::uint64_t hash;
-    std::size_t face;
+    std::int64_t face; ///< 8 times the cell, and its face
   };
-  std::vector<Key> keys(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    keys[i] = {hash_of(faces[i]), i};
-  std::ranges::sort(keys, {}, &Key::hash);
-  std::vector<Face> left;
-  for (auto begin = keys.begin(); begin != keys.end();) {
-    const auto end =
-        std::find_if(begin, keys.end(), [&](const Key& k) { return k.hash != begin->hash; });
-    for (auto k = begin; k != end; ++k)
-      if (std::none_of(begin, end, [&](const Key& other) {
-            return other.face != k->face && faces[k->face].is(faces[other.face]);
-          }))
-        left.push_back(faces[k->face]);
-    begin = end;
+  static std::uint64_t hash_of(const Vec3d& x) {
+    std::uint64_t hash = 0x9e3779b97f4a7c15u;
+    for (int a = 0; a < 3; ++a) { // both zeros are one
+      hash = (hash ^ std::bit_cast<std::uint64_t>(x[a] + 0.0)) * 0xbf58476d1ce4e5b9u;
+      hash ^= hash >> 29;
+    }
+    return hash * 0x94d049bb133111ebu;
   }
-  faces = std::move(left);
-}
+
+  std::size_t mask_;
+  std::vector<Slot> slots_;
+};
 
 /// Whether every vertex of one face has one of the other nearby.
 bool are_near(const Face& a, const Face& b, double tolerance) {
@@ -196,11 +218,6 @@ std::string told(double number) {
   return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
-std::string told(const CellName& cell) {
-  return "process " + std::to_string(cell.rank) + ", piece " + std::to_string(cell.piece) +
-         ", cell " + std::to_string(cell.cell);
-}
-
 } // namespace
 
 SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
@@ -208,16 +225,30 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
   found.tolerance = mesh.seam_tolerance;
   const mesh::MeshView& view = mesh.lent_view();
   const std::int64_t own_cells = view.own_cell_count();
-  if (view.halo_piece_count == 0 || !mesh.halo() || found.tolerance == 0.0)
+  if (view.halo_piece_count == 0 || !mesh.halo())
     return found;
   const Places places(mesh.stand_in());
-  std::vector<Face> faces;
+  std::vector<std::int64_t> cells;
   for (std::int64_t flat = 0; flat < view.cell_count(); ++flat)
     if (flat >= own_cells || mesh.halo()->is_at_seam(mesh.own_of_lent(flat)))
-      add_faces(view, places, flat, faces);
-  leave_unmatched(faces);
-  const auto others = std::stable_partition(faces.begin(), faces.end(),
-                                            [&](const Face& f) { return f.cell < own_cells; });
+      cells.push_back(flat);
+  const auto name = [&](std::int64_t flat) { return mesh.name(mesh.own_of_lent(flat)); };
+  FacesByHash by_hash(6 * cells.size());
+  std::unordered_map<std::uint64_t, std::int64_t> own; // by their vertices
+  for (const std::int64_t flat : cells) {
+    const std::uint64_t hash = by_hash.add(view, places, flat);
+    if (flat < own_cells)
+      own.emplace(hash, flat);
+    else if (const auto same = own.find(hash); same != own.end())
+      found.twice.add(name(same->second), name(flat));
+  }
+  if (found.tolerance == 0.0)
+    return found;
+  std::vector<Face> faces;
+  by_hash.for_unmatched(
+      [&](std::int64_t flat, int number) { faces.push_back(face_of(view, places, flat, number)); });
+  const auto others =
+      std::ranges::find_if(faces, [&](const Face& f) { return f.cell >= own_cells; });
   double largest = 0.0;
   for (const Face& face : faces)
     largest = std::max(largest, face.diameter());
@@ -225,47 +256,29 @@ SeamMismatches find_seam_mismatches(const CommittedMesh& mesh) {
     return found;
   const FacesByPlace by_place(std::span(others, faces.end()), found.tolerance, largest);
   for (const Face& face : std::span(faces.begin(), others))
-    if (const Face* const other = by_place.near(face)) {
-      const CellName own = mesh.name(mesh.own_of_lent(face.cell));
-      if (found.count++ == 0 || own < found.own) {
-        found.own = own;
-        found.other = mesh.name(mesh.own_of_lent(other->cell));
-      }
-    }
+    if (const Face* const other = by_place.near(face))
+      found.add(name(face.cell), name(other->cell));
   return found;
 }
 
-namespace {
-
-/// What all processes found: how many, the first pair, and what follows from that; empty: none.
-template <class Found>
-std::string count_of_all(const Found& found, const std::string& what, const char* so,
-                         parallel::World& world) {
-  std::int64_t count = found.count;
-  world.reduce(std::span(&count, 1), parallel::Reduction::sum);
-  if (count == 0)
-    return {};
-  std::int64_t first = found.count > 0 ? world.rank() : world.size();
-  world.reduce(std::span(&first, 1), parallel::Reduction::least);
-  return std::to_string(count) + what + ", the first of " +
-         world.broadcast(told(found.own) + " and " + told(found.other), int(first)) + so;
-}
-
-} // namespace
-
 std::string describe(const SeamMismatches& found, parallel::World& world) {
-  return count_of_all(found,
-                      " faces on seams lie within " + told(found.tolerance) +
-                          " of their size (seam_tolerance) of another process's face and do not "
-                          "match it to the bit",
-                      ": points between them have no owner, or one on each side", world);
+  return describe(found,
+                  " faces on seams lie within " + told(found.tolerance) +
+                      " of their size (seam_tolerance) of another process's face and do not "
+                      "match it to the bit",
+                  ": points between them have no owner, or one on each side", world);
 }
 
-std::string describe(const LeafGaps& found, parallel::World& world) {
-  return count_of_all(found,
-                      " faces of cells are one cell away from another process's cells, and no cell "
-                      "of any process lies between them",
-                      ": unless the domain has a slot there, a layer is missing", world);
+std::string describe_twice(const SeamMismatches& found, parallel::World& world) {
+  return describe(found.twice, " cells are cells of another process, too, to the bit",
+                  ": they count twice; all but one of these are to be ghosts", world);
+}
+
+std::string describe_gaps(const CellPairs& found, parallel::World& world) {
+  return describe(found,
+                  " faces of cells are one cell away from another process's cells, and no cell "
+                  "of any process lies between them",
+                  ": unless the domain has a slot there, a layer is missing", world);
 }
 
 } // namespace insitu::commit

@@ -47,7 +47,9 @@ StandIn::Found Adaptive::commit(mesh::Mesh& mesh, const insitu_frame& /*frame*/,
     mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
     return {true, std::nullopt};
   }
-  if (due)
+  if (due && mesh.adaptive().is_part && mesh.reconstruction() == INSITU_DUAL)
+    put_off(mesh, threads);
+  else if (due)
     build(mesh, threads);
   else if (dual_)
     dual_->fields_changed();
@@ -62,49 +64,82 @@ void Adaptive::make_on_all(mesh::Mesh& mesh, parallel::World& world, const Halo&
   is_ready_ = true;
 }
 
-void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads,
-                     const DualCells::Neighbours* neighbours) {
-  const core::Timer timer;
+/// From here on there are no cells until others are in place.
+void Adaptive::begin(mesh::Mesh& mesh) {
   is_ready_ = false;
   is_before_ = nullptr;
   mesh.set_stand_in(nullptr);
   locator_.reset();
+  later_.forget();
+}
+
+void Adaptive::build_leaves(const mesh::Mesh& mesh, const core::Threads& threads) {
+  if (!leaves_)
+    leaves_ = std::make_unique<amr::LeafMap>(*memory_);
+  leaves_->build(mesh.adaptive(), threads);
+}
+
+void Adaptive::make_dual(const mesh::Mesh& mesh, const core::Threads& threads,
+                         const DualCells::Neighbours* neighbours) {
+  if (!dual_)
+    dual_ = std::make_unique<DualCells>(*memory_);
+  dual_->build(mesh, threads, amr::Cubes::counts, neighbours);
+}
+
+void Adaptive::choose_locator() {
+  if (!dual_)
+    locator_ = std::make_unique<query::LeafLocator>(*leaves_);
+  else if (dual_->dual().has_gridlets())
+    locator_ = std::make_unique<query::DualLocator>(
+        query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
+  else
+    locator_ = std::make_unique<query::TreeLocator>();
+}
+
+void Adaptive::put_in_place(mesh::Mesh& mesh, const core::Threads& threads) {
+  own_cells_ = mesh.adaptive().own_cell_count();
+  mask(mesh.adaptive(), threads);
+  mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
+  if (dual_)
+    mesh.set_stand_in(this);
+}
+
+void Adaptive::build(mesh::Mesh& mesh, const core::Threads& threads,
+                     const DualCells::Neighbours* neighbours) {
+  const core::Timer timer;
+  begin(mesh);
+  const auto agreed = [&](auto&& work) {
+    if (neighbours)
+      neighbours->world.agree_after(work);
+    else
+      work();
+  };
   if (mesh.reconstruction() == INSITU_NEAREST) {
     dual_.reset();
-    if (!leaves_)
-      leaves_ = std::make_unique<amr::LeafMap>(*memory_);
-    const auto build_leaves = [&] {
-      leaves_->build(mesh.adaptive(), threads);
+    agreed([&] {
+      build_leaves(mesh, threads);
       leaves_->number_bricks(threads);
-    };
-    if (neighbours)
-      neighbours->world.agree_after(build_leaves);
-    else
-      build_leaves();
+    });
   } else {
     leaves_.reset();
-    if (!dual_)
-      dual_ = std::make_unique<DualCells>(*memory_);
-    dual_->build(mesh, threads, amr::Cubes::counts, neighbours);
+    make_dual(mesh, threads, neighbours);
   }
-  const auto put_in_place = [&] {
-    own_cells_ = mesh.adaptive().own_cell_count();
-    mask(mesh.adaptive(), threads);
-    mesh.set_masked(leaves().masked_count() > 0 ? masked_.data() : nullptr);
-    if (!dual_)
-      locator_ = std::make_unique<query::LeafLocator>(*leaves_);
-    else if (dual_->dual().has_gridlets())
-      locator_ = std::make_unique<query::DualLocator>(
-          query::DualPlaces{&dual_->places(), &dual_->dual().corners()});
-    else
-      locator_ = std::make_unique<query::TreeLocator>();
-    if (dual_)
-      mesh.set_stand_in(this);
-  };
-  if (neighbours)
-    neighbours->world.agree_after(put_in_place);
-  else
-    put_in_place();
+  agreed([&] {
+    choose_locator();
+    put_in_place(mesh, threads);
+  });
+  build_s_ = timer.seconds();
+}
+
+/// The leaves are looked at now, and what is wrong with them is told.
+void Adaptive::put_off(mesh::Mesh& mesh, const core::Threads& threads) {
+  const core::Timer timer;
+  begin(mesh);
+  build_leaves(mesh, threads);
+  if (!dual_)
+    dual_ = std::make_unique<DualCells>(*memory_);
+  put_in_place(mesh, threads);
+  later_.put_off(mesh, threads.count());
   build_s_ = timer.seconds();
 }
 
@@ -177,7 +212,7 @@ std::int64_t Adaptive::find_made(std::int64_t number) const {
 }
 
 std::optional<StandIn::Held> Adaptive::held() const {
-  if (!dual_)
+  if (!dual_ || waits())
     return std::nullopt;
   return Held{"dual mesh", amr_info()->bytes,
               dual_->dual().has_gridlets()
@@ -186,6 +221,7 @@ std::optional<StandIn::Held> Adaptive::held() const {
 }
 
 std::optional<insitu_amr_info> Adaptive::amr_info() const {
+  later_.complete();
   insitu_amr_info info = insitu_amr_info_default();
   info.leaves = leaves().leaf_count();
   info.masked = leaves().masked_count();

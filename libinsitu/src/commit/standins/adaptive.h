@@ -9,6 +9,7 @@
 #include "commit/standins/leaves_copy.h"
 #include "commit/standins/stand_in.h"
 #include "query/lattice/place_locators.h"
+#include "query/on_demand.h"
 
 namespace insitu::commit {
 
@@ -20,7 +21,8 @@ class Adaptive final : public StandIn {
 public:
   using IsBefore = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-  explicit Adaptive(core::Memory& memory) : memory_(&memory), masked_(memory, INSITU_MEMORY_AMR) {}
+  explicit Adaptive(core::Memory& memory)
+      : memory_(&memory), masked_(memory, INSITU_MEMORY_AMR), later_(*this) {}
 
   bool serves(const mesh::Mesh& mesh, const insitu_frame& frame) const override {
     return mesh.is_adaptive() && frame.kind != INSITU_FRAME_GEODETIC;
@@ -43,17 +45,21 @@ public:
                              const core::Threads& threads) override;
 
   bool stands() const override { return dual_ != nullptr; }
-  const mesh::MeshView& view() const override { return dual_->view(); }
-  mesh::FieldView field(const mesh::FieldView& own) override { return dual_->field(own); }
+  bool waits() const override { return later_.is_due(); }
+  const mesh::MeshView& view() const override { return dual().view(); }
+  mesh::FieldView field(const mesh::FieldView& own) override { return dual().field(own); }
   /// The leaf that holds p, with p's place in it.
   query::Location own(const query::Location& at, const math::Vec3d& p) const override;
   query::Location own_here(const query::Location& at, const math::Vec3d& p) const override;
   std::optional<MadeCell> made_cell(std::int64_t flat) const override;
   std::int64_t find_made(std::int64_t number) const override;
-  const query::PointLocator* locator() const override { return locator_.get(); }
+  const query::PointLocator* locator() const override {
+    later_.complete();
+    return locator_.get();
+  }
   /// Null by `nearest`.
-  const DualCells* dual_cells() const { return dual_.get(); }
-  const amr::LeafMap& leaves() const { return dual_ ? dual_->dual().leaves() : *leaves_; }
+  const DualCells* dual_cells() const { return dual_ ? &dual() : nullptr; }
+  const amr::LeafMap& leaves() const { return leaves_ ? *leaves_ : dual_->dual().leaves(); }
   /// Whether other processes have more of the mesh.
   bool is_shared() const { return bool(is_before_); }
   /// Of a cell of the dual: numbers ascend with the ids, alike on all processes.
@@ -66,14 +72,49 @@ public:
   std::optional<insitu_amr_info> amr_info() const override;
 
 private:
+  /// The dual of this process's leaves alone, of a mesh that is spread over processes: mostly
+  /// nobody asks for it before the halo is there, with which make_on_all() makes another one.
+  class Later final : public query::PutOff {
+  public:
+    explicit Later(Adaptive& of) : of_(of) {}
+    void put_off(const mesh::Mesh& mesh, int threads) {
+      mesh_ = &mesh;
+      threads_ = threads;
+      set_due(true);
+    }
+    void forget() { set_due(false); }
+
+  private:
+    void do_it() const override {
+      of_.make_dual(*mesh_, arena_.emplace(threads_), nullptr);
+      of_.choose_locator();
+    }
+
+    Adaptive& of_;
+    const mesh::Mesh* mesh_ = nullptr;
+    int threads_ = 1;
+    mutable std::optional<core::Threads> arena_; ///< which the dual keeps for its fields
+  };
+
+  DualCells& dual() const {
+    later_.complete();
+    return *dual_;
+  }
   void build(mesh::Mesh& mesh, const core::Threads& threads,
              const DualCells::Neighbours* neighbours = nullptr);
+  void put_off(mesh::Mesh& mesh, const core::Threads& threads);
+  void begin(mesh::Mesh& mesh);
+  void build_leaves(const mesh::Mesh& mesh, const core::Threads& threads);
+  void make_dual(const mesh::Mesh& mesh, const core::Threads& threads,
+                 const DualCells::Neighbours* neighbours);
+  void choose_locator();
+  void put_in_place(mesh::Mesh& mesh, const core::Threads& threads);
   query::Location in_leaf(const amr::LeafMap::Leaf& leaf, const math::Vec3d& p) const;
   void mask(const mesh::AmrView& mesh, const core::Threads& threads);
 
   core::Memory* memory_;
   std::unique_ptr<DualCells> dual_;
-  std::unique_ptr<amr::LeafMap> leaves_; ///< without a dual
+  std::unique_ptr<amr::LeafMap> leaves_; ///< without a dual, or of one that was put off
   std::unique_ptr<query::PointLocator> locator_;
   std::unique_ptr<LeavesCopy> kept_;   ///< of a step that has passed, without a dual
   core::Buffer<std::uint64_t> masked_; ///< a bit a flat cell
@@ -81,6 +122,7 @@ private:
   std::int64_t own_cells_ = 0;
   bool is_ready_ = false; ///< for the next commit
   double build_s_ = 0.0;
+  Later later_;
 };
 
 } // namespace insitu::commit

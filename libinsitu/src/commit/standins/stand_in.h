@@ -64,6 +64,8 @@ public:
   virtual bool tells_one_mesh() const { return false; }
   /// Whether view() is in place; if not, points are located in the solver's cells.
   virtual bool stands() const = 0;
+  /// Whether view() is made when somebody asks for it, or for its locator, and nobody has yet.
+  virtual bool waits() const { return false; }
 
   /// A cell of view() that is the solver's: which, and in which of its places (mesh::CellName), or
   /// which of its parts.

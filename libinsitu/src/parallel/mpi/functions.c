@@ -91,55 +91,6 @@ static int find_lacking(MPI_Comm communicator, int lacks, int rank, int size) {
   return first;
 }
 
-static int open_world(const void* given, int fortran, int lacks, insitu_mpi_world** made, int* rank,
-                      int* size, int* on_this_node, int* single_threaded, char* message) {
-  int status = check(message), inter = 0, error = MPI_SUCCESS, level = MPI_THREAD_SINGLE;
-  MPI_Comm own = MPI_COMM_NULL, node = MPI_COMM_NULL;
-  *rank = -1;
-  if (status != INSITU_MPI_OK)
-    return status;
-  const MPI_Comm communicator = given ? *(const MPI_Comm*)given : MPI_Comm_f2c((MPI_Fint)fortran);
-  if (communicator == MPI_COMM_NULL)
-    return fail(INSITU_MPI_ARGUMENT, message, "communicator: MPI_COMM_NULL");
-  MPI_Comm_test_inter(communicator, &inter);
-  if (inter)
-    return fail(INSITU_MPI_ARGUMENT, message,
-                "communicator: an intercommunicator, an intracommunicator expected");
-  error = MPI_Comm_dup(communicator, &own);
-  if (error != MPI_SUCCESS)
-    return failed("MPI_Comm_dup", error, message);
-  MPI_Comm_set_errhandler(own, MPI_ERRORS_RETURN);
-  MPI_Comm_rank(own, rank);
-  MPI_Comm_size(own, size);
-  /* With room for what waiting for all needs. */
-  insitu_mpi_world* world = lacks ? NULL : malloc(sizeof *world);
-  MPI_Request* requests = world ? malloc((size_t)*size * sizeof *requests) : NULL;
-  const int lacking = find_lacking(own, !requests, *rank, *size);
-  if (lacking < *size) {
-    free(world);
-    free(requests);
-    MPI_Comm_free(&own);
-    snprintf(message, INSITU_MPI_MESSAGE, "process %d of %d: out of memory", lacking, *size);
-    return INSITU_MPI_MEMORY;
-  }
-  *world = (insitu_mpi_world){.communicator = own,
-                              .rank = *rank,
-                              .size = *size,
-                              .missing = -1,
-                              .requests = requests,
-                              .room = (size_t)*size};
-  *on_this_node = 1;
-  error = MPI_Comm_split_type(own, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  if (error == MPI_SUCCESS && node != MPI_COMM_NULL) {
-    MPI_Comm_size(node, on_this_node);
-    MPI_Comm_free(&node);
-  }
-  MPI_Query_thread(&level);
-  *single_threaded = level == MPI_THREAD_SINGLE;
-  *made = world;
-  return INSITU_MPI_OK;
-}
-
 /* Whether messages may be sent in this world. */
 static int check_world(const insitu_mpi_world* world, char* message) {
   const int status = check(message);
@@ -172,13 +123,14 @@ static int await(MPI_Request* request, double deadline) {
 enum { tag_here = 2, tag_verdict = 3, tag_gone = 4 };
 
 /* The root: who does not come until the deadline; itself, if others have waited for it in vain. */
-static int find_missing(insitu_mpi_world* world, MPI_Request* coming, double deadline) {
+static int find_missing(const insitu_mpi_world* world, double deadline) {
   int missing = -1, gone = 0;
-  for (int r = 1; r < world->size; ++r)
-    MPI_Irecv(NULL, 0, MPI_BYTE, r, tag_here, world->communicator, &coming[r]);
-  for (int r = world->size - 1; r > 0; --r) /* the lowest is left */
-    if (!await(&coming[r], deadline))
+  for (int r = world->size - 1; r > 0; --r) { /* the lowest is left */
+    MPI_Request coming = MPI_REQUEST_NULL;
+    MPI_Irecv(NULL, 0, MPI_BYTE, r, tag_here, world->communicator, &coming);
+    if (!await(&coming, deadline))
       missing = r;
+  }
   MPI_Iprobe(MPI_ANY_SOURCE, tag_gone, world->communicator, &gone, MPI_STATUS_IGNORE);
   return gone ? 0 : missing;
 }
@@ -191,7 +143,7 @@ static int wait_for_all(insitu_mpi_world* world, double seconds, int* missing, c
   const double begin = MPI_Wtime();
   MPI_Request request = MPI_REQUEST_NULL;
   if (world->rank == 0) {
-    world->told = find_missing(world, world->requests, begin + seconds);
+    world->told = find_missing(world, begin + seconds);
     for (int r = 1; r < world->size; ++r) { /* those that are not here may come yet */
       MPI_Isend(&world->told, 1, MPI_INT, r, tag_verdict, world->communicator, &request);
       await(&request, MPI_Wtime() + 1);
@@ -210,6 +162,98 @@ static int wait_for_all(insitu_mpi_world* world, double seconds, int* missing, c
     }
   }
   *missing = world->missing = world->told;
+  return INSITU_MPI_OK;
+}
+
+/* The caller's communicator once more, on all processes. seconds: how long those that came wait for
+ * the others, or 0: without end. What is under way then cannot be taken back. */
+static int duplicate(MPI_Comm given, double seconds, MPI_Comm* own, char* message) {
+  static MPI_Comm made; /* as MPI may write to it after that time */
+  static int is_given_up = 0;
+  const struct timespec pause = {0, 50000};
+  MPI_Request request = MPI_REQUEST_NULL;
+  const double begin = MPI_Wtime();
+  if (is_given_up)
+    return fail(INSITU_MPI_ORDER, message,
+                "an opening before waited for a process in vain; the program is to end");
+  int error = MPI_Comm_idup(given, &made, &request), done = 0;
+  for (int polls = 0; error == MPI_SUCCESS && !done; ++polls) {
+    error = seconds > 0 ? MPI_Test(&request, &done, MPI_STATUS_IGNORE)
+                        : MPI_Wait(&request, MPI_STATUS_IGNORE);
+    done = done || seconds <= 0;
+    if (!done && MPI_Wtime() > begin + seconds) {
+      int size = 0;
+      MPI_Comm_size(given, &size);
+      is_given_up = 1;
+      snprintf(message, INSITU_MPI_MESSAGE,
+               "communicator: not all of its %d processes opened a session within %g s "
+               "(INSITU_WAIT)",
+               size, seconds);
+      return INSITU_MPI_ORDER;
+    }
+    if (polls > 1000)
+      nanosleep(&pause, NULL);
+  }
+  if (error != MPI_SUCCESS)
+    return failed("MPI_Comm_idup", error, message);
+  *own = made;
+  return INSITU_MPI_OK;
+}
+
+static int open_world(const void* given, int fortran, int lacks, double seconds,
+                      insitu_mpi_world** made, int* rank, int* size, int* on_this_node,
+                      int* single_threaded, char* message) {
+  int status = check(message), inter = 0, missing = -1, level = MPI_THREAD_SINGLE;
+  MPI_Comm own = MPI_COMM_NULL, node = MPI_COMM_NULL;
+  *rank = -1;
+  if (status != INSITU_MPI_OK)
+    return status;
+  const MPI_Comm communicator = given ? *(const MPI_Comm*)given : MPI_Comm_f2c((MPI_Fint)fortran);
+  if (communicator == MPI_COMM_NULL)
+    return fail(INSITU_MPI_ARGUMENT, message, "communicator: MPI_COMM_NULL");
+  MPI_Comm_test_inter(communicator, &inter);
+  if (inter)
+    return fail(INSITU_MPI_ARGUMENT, message,
+                "communicator: an intercommunicator, an intracommunicator expected");
+  status = duplicate(communicator, seconds, &own, message);
+  if (status != INSITU_MPI_OK)
+    return status;
+  MPI_Comm_set_errhandler(own, MPI_ERRORS_RETURN);
+  MPI_Comm_rank(own, rank);
+  MPI_Comm_size(own, size);
+  insitu_mpi_world here = {.communicator = own, .rank = *rank, .size = *size, .missing = -1};
+  if (seconds > 0) /* one that is late finds the others gone */
+    status = wait_for_all(&here, seconds, &missing, message);
+  if (status == INSITU_MPI_OK && missing >= 0) {
+    snprintf(message, INSITU_MPI_MESSAGE,
+             "communicator: process %d of %d did not open a session within %g s (INSITU_WAIT)",
+             missing, *size, seconds);
+    return INSITU_MPI_ORDER;
+  }
+  if (status != INSITU_MPI_OK)
+    return status;
+  insitu_mpi_world* world = lacks ? NULL : malloc(sizeof *world);
+  MPI_Request* requests = world ? malloc((size_t)*size * sizeof *requests) : NULL;
+  const int lacking = find_lacking(own, !requests, *rank, *size);
+  if (lacking < *size) {
+    free(world);
+    free(requests);
+    MPI_Comm_free(&own);
+    snprintf(message, INSITU_MPI_MESSAGE, "process %d of %d: out of memory", lacking, *size);
+    return INSITU_MPI_MEMORY;
+  }
+  *world = here;
+  world->requests = requests;
+  world->room = (size_t)*size;
+  *on_this_node = 1;
+  const int error = MPI_Comm_split_type(own, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  if (error == MPI_SUCCESS && node != MPI_COMM_NULL) {
+    MPI_Comm_size(node, on_this_node);
+    MPI_Comm_free(&node);
+  }
+  MPI_Query_thread(&level);
+  *single_threaded = level == MPI_THREAD_SINGLE;
+  *made = world;
   return INSITU_MPI_OK;
 }
 

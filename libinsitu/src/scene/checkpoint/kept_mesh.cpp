@@ -198,9 +198,10 @@ KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& wo
     world.agree_after([&] { restore_other_cells(mesh, world.size() > 1, threads); });
   else if (found.has_step && world.size() > 1 && world.is_root())
     log.warning("mesh '" + name +
-                "': its cells are not known again after the restart, for want of the same global "
-                "ids or of as many processes with the same cells; particles go through their first "
-                "interval by the velocity at its end");
+                "': its cells are not known again after the restart, as they are not those of as "
+                "many processes in the same order (which a mesh in longitude and latitude needs "
+                "with global ids, too); particles go through their first interval by the velocity "
+                "at its end");
   return KeptCells::By::nothing;
 }
 

@@ -139,8 +139,8 @@ private:
         [&] { register_mesh(); },
         [&] {
           commit();
-          (void)mesh_->tree();
           meet_others();
+          (void)mesh_->tree(); // as in a session: asked for once the halo is there
         });
     std::int64_t cells = mesh_->halo() ? mesh_->halo()->cell_count() : 0;
     world_.reduce(std::span(&cells, 1), Reduction::sum);
@@ -153,8 +153,8 @@ private:
         [&] { mesh_->mesh().set_changed(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS); },
         [&] {
           commit();
-          (void)mesh_->tree();
           meet_others();
+          (void)mesh_->tree();
         });
     mesh_->look_for_folds(context_.threads);
   }
