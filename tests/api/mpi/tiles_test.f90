@@ -14,6 +14,19 @@ program tiles_test
       '  - name: grid' // new_line('a') // &
       '    points: {grid: {min: [0.11, 0.13, 0.17], max: [4.3, 4.1, 4.9], counts: [8, 7, 6]}}' // new_line('a') // &
       '    fields: [density, velocity]' // new_line('a')
+  !> What a coupling of several processes spoils first: particles that cross seams, a condition on all values, a frame.
+  character(len=*), parameter :: more = &
+      'tracers:' // new_line('a') // &
+      '  - name: paths' // new_line('a') // &
+      '    velocity: velocity' // new_line('a') // &
+      '    kind: pathline' // new_line('a') // &
+      '    output: [csv]' // new_line('a') // &
+      '    seeds: {box: {min: [0.11, 0.13, 0.17], max: [4.3, 4.1, 4.9], counts: [10, 10, 10]}}' // new_line('a') // &
+      'frames:' // new_line('a') // &
+      '  - name: view' // new_line('a') // &
+      '    when: max(density) > 29' // new_line('a') // &
+      '    size: [48, 40]' // new_line('a') // &
+      '    volume: {field: density}' // new_line('a')
   ! The grid again: none of its points is on a face.
   real(real64), parameter :: low(3) = [0.11_real64, 0.13_real64, 0.17_real64], high(3) = [4.3_real64, 4.1_real64, 4.9_real64]
   integer, parameter :: counts(3) = [8, 7, 6], steps = 3
@@ -28,6 +41,7 @@ program tiles_test
   is_uniform = .true.
   call run(.false., 'uniform')
   call run(.true., 'uniform_ghosts')
+  call compare()
   call MPI_Allreduce(wrong, all_wrong, 1, MPI_INTEGER, MPI_SUM, MPI_COMM_WORLD)
   call MPI_Finalize()
   if (all_wrong > 0) error stop 1
@@ -65,6 +79,96 @@ contains
     call expect('close ' // session%message(), ierr == insitu_ok)
     call check_table(trim(folder) // '/grid.csv')
   end subroutine run
+
+  !> The tiles of all processes in one process, and each in its own: the files are the same.
+  subroutine compare()
+    type(tile_type), allocatable, target :: made(:), all_made(:)
+    character(len=*), parameter :: names(3) = [character(len=16) :: 'grid.csv', 'paths.csv', 'view_000002.png']
+    character(len=*), parameter :: too_early = 'together/view_000001.png'
+    integer :: r, n, unit
+
+    if (rank == 0 .and. exists(too_early)) then          ! of a run before
+      open (newunit=unit, file=too_early)
+      close (unit, status='delete')
+    end if
+    call make_tiles(rank, chunks_of(processes), made)
+    call couple(made, MPI_COMM_WORLD, 'together')
+    if (rank > 0) return
+    do r = 0, processes - 1
+      call make_tiles(r, chunks_of(processes), made)
+      if (r == 0) all_made = made(:0)
+      all_made = [all_made, made]
+    end do
+    call couple(all_made, MPI_COMM_SELF, 'alone')
+    do n = 1, size(names)
+      call expect(trim(names(n)) // ' of several processes', are_same('together/' // trim(names(n)), 'alone/' // trim(names(n))))
+    end do
+    ! Some leave the box, most of them at its end.
+    call expect('1000 particles', lines_of('together/paths.csv') > 3000)
+    call expect('no frame before', .not. exists(too_early))
+  end subroutine compare
+
+  subroutine couple(made, communicator, folder)
+    type(tile_type), intent(inout), target :: made(:)
+    type(MPI_Comm), intent(in) :: communicator
+    character(len=*), intent(in) :: folder
+    type(insitu_session) :: session
+    type(insitu_mesh) :: mesh
+    integer :: step, ierr
+
+    call session%open(ierr=ierr, scene_text=scene // more, output=folder, strict=.true., communicator=communicator%mpi_val)
+    call expect('open ' // session%message(), ierr == insitu_ok)
+    call session%mesh('box', mesh, ierr)
+    call give_tiles(mesh, made, .true., ierr)
+    do step = 0, steps
+      if (step > 0) call move_on(made, 0.1_real64 * real(step, real64))
+      call mesh%changed(insitu_fields)
+      call session%execute(step, 0.1_real64 * real(step, real64), ierr)
+      call expect('execute ' // session%message(), ierr == insitu_ok)
+    end do
+    call session%close(ierr)
+    call expect('close ' // session%message(), ierr == insitu_ok)
+  end subroutine couple
+
+  logical function exists(name)
+    character(len=*), intent(in) :: name
+    inquire (file=name, exist=exists)
+  end function exists
+
+  !> All bytes of a file.
+  function bytes_of(name) result(bytes)
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: bytes
+    integer :: unit, length, status
+
+    bytes = ''
+    open (newunit=unit, file=name, access='stream', form='unformatted', status='old', action='read', iostat=status)
+    call expect('opening ' // name, status == 0)
+    if (status /= 0) return
+    inquire (unit=unit, size=length)
+    deallocate (bytes)
+    allocate (character(len=length) :: bytes)
+    read (unit) bytes
+    close (unit)
+  end function bytes_of
+
+  logical function are_same(a, b)
+    character(len=*), intent(in) :: a, b
+    character(len=:), allocatable :: one, other
+
+    one = bytes_of(a)
+    other = bytes_of(b)
+    are_same = len(one) == len(other) .and. len(one) > 0 .and. one == other
+  end function are_same
+
+  integer function lines_of(name)
+    character(len=*), intent(in) :: name
+    character(len=:), allocatable :: bytes
+    integer :: i
+
+    bytes = bytes_of(name)
+    lines_of = count([(bytes(i:i) == new_line('a'), i=1, len(bytes))])
+  end function lines_of
 
   !> Along x and y.
   pure function chunks_of(processes) result(chunks)

@@ -304,7 +304,7 @@ TEST(SeamFaces, OfGlobesMatch) {
 /// Processes that move the vertices between them apart, once a step, are told so by the first, the
 /// second, the fourth step; others never.
 TEST(SeamFaces, ThatMoveApart) {
-  const test::TestMesh whole = test::jittered_cubes(3);
+  const test::TestMesh whole = cubes(3);
   const fixtures::Partition partition = fixtures::slabs(whole, 2);
   for (const double apart : {0.0, 1e-9}) {
     std::vector<std::size_t> said; // after each step, at the root
@@ -338,6 +338,8 @@ TEST(SeamFaces, ThatMoveApart) {
   }
 }
 
+namespace {
+
 /// What is said of the cells of the mesh, but for faces.
 void expect_said(const Found& found, const std::vector<std::string>& parts) {
   ASSERT_EQ(found.said.size(), 1u);
@@ -345,9 +347,11 @@ void expect_said(const Found& found, const std::vector<std::string>& parts) {
     EXPECT_NE(found.said[0].find(part), std::string::npos) << part << " in: " << found.said[0];
 }
 
+} // namespace
+
 /// Each process gives its own numbers as global ids.
 TEST(SeamNames, NumbersOfAProcessAlone) {
-  const test::TestMesh whole = test::jittered_cubes(3);
+  const test::TestMesh whole = cubes(3);
   Search s{whole, fixtures::slabs(whole, 3)};
   std::vector<std::int64_t> own(whole.cells.size());
   std::iota(own.begin(), own.end(), std::int64_t(0));
@@ -363,7 +367,7 @@ TEST(SeamNames, NumbersOfAProcessAlone) {
 }
 
 TEST(SeamNames, IdsOfSomeProcessesOnly) {
-  const test::TestMesh whole = test::jittered_cubes(3);
+  const test::TestMesh whole = cubes(3);
   Search s{whole, fixtures::slabs(whole, 3)};
   s.then = [&](mesh::Mesh& mesh, const fixtures::Part&, int rank) {
     if (rank == 1)
@@ -374,7 +378,7 @@ TEST(SeamNames, IdsOfSomeProcessesOnly) {
 
 /// Copies of others' cells that are not given as ghosts.
 TEST(SeamNames, CellsThatTwoProcessesGive) {
-  const test::TestMesh whole = test::jittered_cubes(3);
+  const test::TestMesh whole = cubes(3);
   Search s{whole, fixtures::with_ghosts(fixtures::slabs(whole, 3))};
   EXPECT_TRUE(search(s).said.empty());
   const std::vector<std::uint8_t> none(whole.cells.size());
