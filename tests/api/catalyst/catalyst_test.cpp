@@ -1,9 +1,12 @@
 // A host that knows Catalyst's interface alone: the loader loads libcatalyst-insitu.so by name, and
 // a run gives the tables of one that is coupled by insitu.hpp.
 #include <array>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <gtest/gtest.h>
 #include <sstream>
 
@@ -93,8 +96,9 @@ protected:
     node.set(d + "fields/v/values/v", solver.v).set(d + "fields/v/values/w", solver.w);
     return node;
   }
-  /// The same run, coupled by the library's own interface.
-  void run_directly(int cycles) const {
+  /// The same run, coupled by the library's own interface. at_end: with f at the gauges.
+  using AtEnd = std::function<void(insitu::Session&, const insitu::Samples&)>;
+  void run_directly(int cycles, const AtEnd& at_end = {}) const {
     Solver solver;
     insitu::Options options;
     options.scene = (folder_ / "scene.yaml").string();
@@ -108,9 +112,12 @@ protected:
     mesh.vertex_field("f", b.f);
     mesh.cell_field("number", b.number);
     mesh.vertex_field("v", {solver.u, solver.v, solver.w});
+    session.keep_answers();
     for (int cycle = 0; cycle < cycles; ++cycle) {
       mesh.changed(insitu::geometry | insitu::fields);
       EXPECT_TRUE(session.execute(cycle, 0.25 * cycle));
+      if (at_end && cycle == cycles - 1)
+        at_end(session, mesh.sample("f", std::vector{1.1, 2.1, 3.1, 2.5, 2.9, 3.3, 4.9, 3.4, 3.4}));
       solver.step(cycle);
     }
     session.close();
@@ -153,6 +160,56 @@ TEST_F(Catalyst, ARunGivesTheTablesOfADirectCoupling) {
     ++files;
   }
   EXPECT_EQ(files, 2);
+}
+
+/// Values that a solver may steer by: those of a direct coupling's probe, to the bit.
+TEST_F(Catalyst, ResultsHaveTheValuesOfProbes) {
+  const std::string probe = "catalyst/insitu/probes/gauges/";
+  Solver solver;
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  TestNode before, results;
+  ASSERT_EQ(catalyst_results(before.get()), catalyst_status_ok);
+  EXPECT_FALSE(before.has("catalyst/insitu/probes")); // not due yet
+  for (int cycle = 0; cycle < 3; ++cycle) {
+    ASSERT_EQ(catalyst_execute(step_of(solver, cycle).get()), catalyst_status_ok);
+    solver.step(cycle);
+  }
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  ASSERT_TRUE(results.has(probe + "cycle"));
+  EXPECT_EQ(conduit_node_as_int64(conduit_node_fetch(results.get(), (probe + "cycle").c_str())), 2);
+  EXPECT_EQ(results.doubles(probe + "time")[0], 0.5);
+  EXPECT_EQ(results.doubles(probe + "points/x"), (std::vector{1.1, 2.5, 4.9, 9.0}));
+  EXPECT_EQ(results.doubles(probe + "points/z"), (std::vector{3.1, 3.3, 3.4, 9.0}));
+  EXPECT_EQ(results.bytes(probe + "inside"), (std::vector<std::uint8_t>{1, 1, 1, 0}));
+  EXPECT_EQ(catalyst_finalize(start().get()), catalyst_status_ok);
+
+  const std::vector<double> f = results.doubles(probe + "fields/f");
+  ASSERT_EQ(f.size(), 4u);
+  run_directly(3, [&](insitu::Session& session, const insitu::Samples& samples) {
+    const std::vector<insitu::ProbeAnswers> answers = session.answers();
+    ASSERT_EQ(answers.size(), 1u);
+    ASSERT_EQ(answers[0].column_count, 2);
+    EXPECT_STREQ(answers[0].column_names[0], "f");
+    for (std::size_t p = 0; p < 4; ++p) {
+      EXPECT_EQ(std::memcmp(&f[p], &answers[0].values[2 * p], 8), 0) << "point " << p;
+      if (p < 3)
+        EXPECT_EQ(f[p], samples(p));
+      else
+        EXPECT_TRUE(std::isnan(f[p]));
+    }
+  });
+}
+
+/// For solvers that do not steer the values stay where they are.
+TEST_F(Catalyst, ResultsWithoutTheValuesOfProbes) {
+  Solver solver;
+  ASSERT_EQ(catalyst_initialize(start().set("catalyst/insitu/answers", 0).get()),
+            catalyst_status_ok);
+  ASSERT_EQ(catalyst_execute(step_of(solver, 0).get()), catalyst_status_ok);
+  TestNode results;
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  EXPECT_TRUE(results.has("catalyst/insitu/probe_rows"));
+  EXPECT_FALSE(results.has("catalyst/insitu/probes"));
 }
 
 /// A channel that cannot be read, blocks as meshes, channels that go, and calls out of order.
