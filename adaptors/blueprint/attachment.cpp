@@ -27,6 +27,7 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
       level.refuse(INSITU_ERROR_ARGUMENT,
                    "is " + std::to_string(out.back().level) + "; from 0 to " +
                        std::to_string(INSITU_AMR_MOST_LEVELS - 1) + " are supported");
+    out.back().windows = read_nestsets(mesh, out.back().topology, out.back().dimensions);
   };
   if (data.find("coordsets") || data.find("topologies"))
     add(data);

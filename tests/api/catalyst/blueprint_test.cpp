@@ -226,6 +226,85 @@ TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
   expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a half or a quarter a level", true);
 }
 
+/// A window of a domain of TwoLevels, such as "b/", with another domain.
+void add_window(TestNode& node, const std::string& domain, const char* type, int partner, int ratio,
+                std::size_t dimensions) {
+  const std::string set = domain + "nestsets/nest/",
+                    window = set + "windows/window_" + std::to_string(partner) + "/";
+  node.set(set + "association", "element").set(set + "topology", "topo");
+  node.set(window + "domain_id", partner).set(window + "domain_type", type);
+  for (std::size_t a = 0; a < dimensions; ++a)
+    node.set(window + "ratio/" + "ijk"[a], ratio);
+}
+
+class Nestsets : public Blueprint, public testing::WithParamInterface<std::size_t> {};
+
+TEST_P(Nestsets, AndSpacingsTellTheSame) {
+  const std::size_t dimensions = GetParam();
+  TestNode node;
+  const TwoLevels levels(dimensions, node);
+  node.set("a/state/domain_id", 0).set("b/state/domain_id", 1);
+  add_window(node, "a/", "child", 1, 2, dimensions);
+  add_window(node, "b/", "parent", 0, 2, dimensions);
+  if (dimensions == 2) // as some solvers write of flat meshes
+    node.set("b/nestsets/nest/windows/window_0/ratio/k", 1);
+  expect_attached(node, true);
+  Mesh mesh = session_.mesh("mesh");
+  EXPECT_EQ(mesh.amr_info().masked, dimensions == 3 ? 8 : 4);
+  const std::string window = "b/nestsets/nest/windows/window_0/";
+  node.set(window + "ratio/i", 4).set(window + "ratio/j", 4).set(window + "ratio/k", 4);
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "mesh/b/nestsets/nest/windows/window_0/ratio/i is 4, and "
+                 "mesh/a/nestsets/nest/windows/window_1/ratio/i between the same levels is 2",
+                 true);
+  node.remove("a/nestsets");
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "mesh/b/nestsets/nest/windows/window_0/ratio/i is 4, and the spacings of level "
+                 "0 and level 1 make it 2",
+                 true);
+  node.set(window + "ratio/i", 2);
+  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "window_0/ratio/j is 4, and along i 2", true);
+  node.set(window + "ratio/j", 3);
+  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "window_0/ratio/j is 3; a half or a quarter",
+                 true);
+  node.set("b/nestsets/nest/topology", "another"); // of which nothing is read
+  expect_attached(node, true);
+  node.set("b/nestsets/nest/topology", "topo").remove(window + "ratio/j");
+  expect_refused(node, INSITU_ERROR_ARGUMENT, "window_0/ratio/j is missing", true);
+  node.set(window + "domain_type", "sibling");
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "window_0/domain_type is 'sibling'; parent or child is needed", true);
+  node.remove(window + "ratio").set(window + "domain_type", "parent");
+  expect_attached(node, true); // a window without a ratio tells none
+}
+
+INSTANTIATE_TEST_SUITE_P(OfDimensions, Nestsets, testing::Values(2, 3));
+
+/// Between levels 1 and 3 a level lies of which no domain is here.
+TEST_F(Blueprint, NestsetsOfLevelsThatAreNotHere) {
+  TestNode node;
+  std::vector<double> coarse(64, 1.0), fine(512, 2.0);
+  add_uniform(node, "a/", {4, 4, 4}, {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0});
+  add_uniform(node, "b/", {8, 8, 8}, {1.0, 1.0, 1.0}, {0.125, 0.125, 0.125});
+  node.set("a/state/level_id", 1).set("b/state/level_id", 3);
+  node.set("a/fields/v/association", "element").set("a/fields/v/values", coarse);
+  node.set("b/fields/v/association", "element").set("b/fields/v/values", fine);
+  add_window(node, "a/", "parent", 7, 4, 3); // of level 0, of another process
+  add_window(node, "a/", "child", 8, 2, 3);  // of level 2
+  expect_attached(node, true);
+  EXPECT_EQ(session_.mesh("mesh").locate(std::vector{1.3, 1.3, 1.3}).pieces[0], 1);
+  add_window(node, "b/", "parent", 8, 2, 3);
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "window_8/ratio/i is 2, and from level 1 to level 3 the spacings make 8", true);
+  add_window(node, "b/", "parent", 8, 4, 3);
+  expect_attached(node, true);
+  node.set("a/state/level_id", 0); // whose parent is then coarser than all
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "mesh/a/nestsets/nest/windows/window_7/domain_type is parent, and mesh/a is of "
+                 "level 0, the coarsest",
+                 true);
+}
+
 TEST_F(Blueprint, PatchesOfAFlatAdaptiveMesh) {
   TestNode node;
   const TwoLevels levels(2, node);

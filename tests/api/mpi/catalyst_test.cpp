@@ -178,6 +178,58 @@ TEST_F(Catalyst, AllProcessesGetTheValuesOfProbes) {
   EXPECT_NEAR(one[2 + 4 * 108], 1.5 + 2.0 / 64, 1e-13) << "the first bolt's x, after two moves";
 }
 
+/// Level 0 on the first process and level 1 on the last one, whose domain cannot tell the spacing
+/// of level 0 but for its nestsets: a quarter. Their lower corners are one.
+TEST_F(Catalyst, NestsetsTellTheRatioOfALevelOfAnotherProcess) {
+  std::vector<double> coarse, fine;
+  TestNode node;
+  const std::string data = "catalyst/channels/grid/data/";
+  const auto put = [&](const std::string& name, int level, int cells, double spacing,
+                       std::vector<double>& values) {
+    const std::string d = data + name + "/";
+    for (int a = 0; a < 3; ++a) {
+      node.set(d + "coordsets/c/dims/" + "ijk"[a], cells + 1);
+      node.set(d + "coordsets/c/spacing/d" + "xyz"[a], spacing);
+    }
+    node.set(d + "coordsets/c/type", "uniform").set(d + "topologies/t/type", "uniform");
+    node.set(d + "topologies/t/coordset", "c").set(d + "state/level", level);
+    for (int i = 0; i < cells * cells * cells; ++i)
+      values.push_back(100 * level + i);
+    node.set(d + "fields/v/association", "element").set(d + "fields/v/values", values);
+  };
+  node.set("catalyst/channels/grid/type", "amrmesh");
+  if (::rank() == 0)
+    put("coarse", 0, 3, 4.0, coarse);
+  if (::rank() == ::size() - 1) {
+    put("fine", 1, 4, 1.0, fine);
+    const std::string window = data + "fine/nestsets/nest/windows/w/";
+    node.set(window + "domain_id", 0).set(window + "domain_type", "parent");
+    for (const char* axis : {"i", "j", "k"})
+      node.set(window + "ratio/" + axis, 4);
+  }
+  const std::string path = (folder() / "amr.yaml").string();
+  if (::rank() == 0)
+    std::ofstream(path) << "insitu: 1\npage: false\nprobes:\n"
+                           "  - {name: p, points: [[2, 2, 2], [6, 2, 2], [0.5, 0.5, 0.5]], "
+                           "fields: [v]}\n";
+  MPI_Barrier(MPI_COMM_WORLD);
+  TestNode start, results;
+  start.set("catalyst/scripts/scene", path).set("catalyst/insitu/threads", 1);
+  start.set("catalyst/insitu/output", (folder() / "amr").string());
+  start.set("catalyst/mpi_comm", std::int64_t(MPI_Comm_c2f(MPI_COMM_WORLD)));
+  ASSERT_EQ(catalyst_initialize(start.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_finalize(start.get()), catalyst_status_ok);
+  ASSERT_TRUE(results.has("catalyst/insitu/probes/p/fields/v"));
+  const std::vector<double> v = results.doubles("catalyst/insitu/probes/p/fields/v");
+  // The mean of the eight cells around a corner, and the centres of a coarse and of a fine cell:
+  // sums of eight numbers below 200, rounded.
+  EXPECT_NEAR(v[0], 100 + (21.0 + 42.0) / 2, 1e-11);
+  EXPECT_NEAR(v[1], 1, 1e-11);
+  EXPECT_NEAR(v[2], 100, 1e-11);
+}
+
 /// Nothing is executed in that step, on any process, and the run goes on.
 TEST_F(Catalyst, AWrongChannelIsToldToAll) {
   Slab slab = own_slab();
