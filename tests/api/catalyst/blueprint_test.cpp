@@ -93,6 +93,42 @@ TEST_F(Blueprint, DomainsArePieces) {
   EXPECT_EQ(mesh.locate(std::vector<double>{1.5, 2.1, 3.1}).pieces[0], -1);
 }
 
+/// Hosts that hand domains over in another order: pieces are those of the ids, and nothing is built
+/// anew. Where one domain has no id, their order is the tree's.
+TEST_F(Blueprint, DomainsAreOrderedByTheirIds) {
+  Box box, other;
+  for (double& n : other.number)
+    n += 1000;
+  const auto tree_of = [&](const std::vector<std::string>& names) {
+    TestNode node;
+    for (const std::string& name : names) {
+      const bool second = name == "west";
+      add_uniform_box(node, name + "/", box, {second ? 5.0 : 1.0, 2.0, 3.0});
+      node.set(name + "/fields/number/association", "element");
+      node.set(name + "/fields/number/values", second ? other.number : box.number);
+      node.set(name + "/state/domain_id", second ? 12 : 7);
+    }
+    return node;
+  };
+  const std::vector<double> points = {1.5, 2.1, 3.1, 5.5, 2.1, 3.1};
+  expect_attached(tree_of({"east", "west"}));
+  Mesh mesh = session_.mesh("mesh");
+  for (const auto& names : {std::vector<std::string>{"west", "east"}, {"east", "west"}}) {
+    ASSERT_EQ(attach(tree_of(names)), INSITU_OK) << insitu_blueprint_message();
+    EXPECT_EQ(mesh.commit().action, INSITU_KEEP);
+    EXPECT_EQ(mesh.locate(points).pieces, (std::vector<std::int32_t>{0, 1}));
+    const Samples number = mesh.sample("number", points);
+    EXPECT_EQ(number(0), 0);
+    EXPECT_EQ(number(1), 1000);
+  }
+  expect_attached(tree_of({"west", "east"}).remove("west/state"));
+  EXPECT_EQ(mesh.locate(points).pieces, (std::vector<std::int32_t>{1, 0}));
+  expect_refused(tree_of({"west", "east"}).set("west/state/domain_id", 7), INSITU_ERROR_ARGUMENT,
+                 "mesh/east/state/domain_id is 7, as mesh/west/state/domain_id is");
+  expect_refused(tree_of({"west", "east"}).set("west/state/domain_id", "one"),
+                 INSITU_ERROR_ARGUMENT, "mesh/west/state/domain_id holds no numbers");
+}
+
 TEST_F(Blueprint, WhatDidNotChangeIsKept) {
   Box box;
   const TestNode node = hexahedra(box);
