@@ -79,8 +79,12 @@ ToldRatios ratios_of_nestsets(const std::vector<Domain>& domains) {
   ToldRatios out;
   for (const Domain& domain : domains)
     for (const NestWindow& window : domain.windows) {
-      const auto [known, fresh] =
-          out.try_emplace(levels_of(window, domain, domains), ToldRatio{window.ratio, window.path});
+      const auto levels = levels_of(window, domain, domains);
+      if (levels.second == levels.first + 1 && window.ratio > 4)
+        throw Error(INSITU_ERROR_UNSUPPORTED, window.path + "/ratio/i is " +
+                                                  std::to_string(window.ratio) +
+                                                  "; from level to level 2 and 4 are supported");
+      const auto [known, fresh] = out.try_emplace(levels, ToldRatio{window.ratio, window.path});
       if (known->second.ratio != window.ratio)
         throw Error(INSITU_ERROR_ARGUMENT, window.path + "/ratio/i is " +
                                                std::to_string(window.ratio) + ", and " +
