@@ -236,6 +236,95 @@ TEST_F(Catalyst, ChannelsOfOtherKinds) {
   EXPECT_EQ(catalyst_finalize(node.get()), catalyst_status_ok);
 }
 
+/// A uniform block of n cells along each axis, whose cells have their numbers from `first` on.
+struct Block {
+  Block(TestNode& node, const std::string& path, int n, double origin, double spacing, double first)
+      : numbers(std::size_t(n * n * n)) {
+    for (std::size_t c = 0; c < numbers.size(); ++c)
+      numbers[c] = first + double(c);
+    for (const char* axis : {"x", "y", "z"}) {
+      node.set(path + "coordsets/c/origin/" + axis, origin);
+      node.set(path + "coordsets/c/spacing/d" + axis, spacing);
+    }
+    for (const char* axis : {"i", "j", "k"})
+      node.set(path + "coordsets/c/dims/" + axis, n + 1);
+    node.set(path + "coordsets/c/type", "uniform").set(path + "topologies/t/type", "uniform");
+    node.set(path + "topologies/t/coordset", "c").set(path + "fields/n/association", "element");
+    node.set(path + "fields/n/values", numbers);
+  }
+  std::vector<double> numbers;
+};
+
+TestNode cycle(int number) {
+  TestNode node;
+  node.set("catalyst/state/timestep", number).set("catalyst/state/time", 0.5 * number);
+  return node;
+}
+
+/// The values of n at a probe after the last call; empty if it has not answered.
+std::vector<double> answers_of(const std::string& probe) {
+  TestNode results;
+  const std::string path = "catalyst/insitu/probes/" + probe + "/fields/n";
+  return catalyst_results(results.get()) == catalyst_status_ok && results.has(path)
+             ? results.doubles(path)
+             : std::vector<double>();
+}
+
+/// Each block of a multimesh is a mesh of its own, named by the channel and the block.
+TEST_F(Catalyst, BlocksOfAMultimeshAreMeshes) {
+  std::ofstream(folder_ / "scene.yaml")
+      << "insitu: 1\nprobes:\n"
+         "  - {name: east, mesh: parts/east, points: [[0.5, 0.5, 0.5]], fields: [n]}\n"
+         "  - {name: west, mesh: parts/west, points: [[0.5, 0.5, 0.5], [5.5, 5.5, 5.5]], "
+         "fields: [n]}\n";
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  const std::string parts = "catalyst/channels/parts/", data = parts + "data/";
+  TestNode node = cycle(0);
+  node.set(parts + "type", "multimesh");
+  const Block east(node, data + "east/", 2, 0.0, 1.0, 10.0);
+  const Block west(node, data + "west/", 2, 4.0, 1.0, 20.0);
+  ASSERT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  EXPECT_EQ(answers_of("east"), std::vector{10.0});
+  ASSERT_EQ(answers_of("west").size(), 2u);
+  EXPECT_TRUE(std::isnan(answers_of("west")[0])); // the other block's
+  EXPECT_EQ(answers_of("west")[1], 27.0);
+
+  TestNode alone = cycle(1); // a block goes, and one of domains comes
+  alone.set(parts + "type", "multimesh");
+  const Block low(alone, data + "west/low/", 1, 0.0, 1.0, 30.0);
+  const Block high(alone, data + "west/high/", 1, 5.0, 1.0, 40.0);
+  EXPECT_EQ(catalyst_execute(alone.get()), catalyst_status_ok);
+  EXPECT_EQ(answers_of("west"), (std::vector{30.0, 40.0}));
+  alone.remove(data + "west/high/topologies/t/coordset");
+  EXPECT_NE(catalyst_execute(alone.get()), catalyst_status_ok);
+}
+
+/// An amrmesh, and its regrid.
+TEST_F(Catalyst, AnAmrmeshIsAnAdaptiveMesh) {
+  std::ofstream(folder_ / "scene.yaml")
+      << "insitu: 1\nprobes:\n"
+         "  - {name: p, mesh: grid, points: [[0.5, 0.5, 0.5], [1.25, 1.25, 1.25]], fields: [n]}\n";
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  const std::string grid = "catalyst/channels/grid/", data = grid + "data/";
+  for (int step = 0; step < 2; ++step) {
+    TestNode node = cycle(step);
+    node.set(grid + "type", "amrmesh");
+    const Block coarse(node, data + "a/", 4, 0.0, 1.0, 0.0);
+    const Block fine(node, data + "b/", 4, step == 0 ? 1.0 : 2.0, 0.5, 1000.0);
+    node.set(data + "a/state/level", 0).set(data + "b/state/level", 1);
+    ASSERT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+    const std::vector<double> n = answers_of("p");
+    ASSERT_EQ(n.size(), 2u);
+    EXPECT_NEAR(n[0], 0.0, 1e-12); // centres of cells: sums of eight products, rounded
+    if (step == 0)
+      EXPECT_NEAR(n[1], 1000.0, 1e-9);
+    else // three fourths of the way from cell 0's centre to that of cell 21, of the coarse ones
+      EXPECT_NEAR(n[1], 15.75, 1e-12);
+    node.remove(data + "b/state");
+    EXPECT_NE(catalyst_execute(node.get()), catalyst_status_ok);
+  }
+}
+
 TEST_F(Catalyst, ScenesOfTheEnvironmentComeFirst) {
   std::ofstream(folder_ / "other.yaml") << "nonsense: 3\n";
   setenv("INSITU_SCENE", (folder_ / "other.yaml").c_str(), 1);
