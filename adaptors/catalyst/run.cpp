@@ -84,8 +84,8 @@ Run::Run(const Node& catalyst) {
   const Options options = options_of(catalyst);
   try {
     session_.emplace(options);
-    if (const Node answers = catalyst.find("insitu/answers"); !answers || answers.integer() != 0)
-      session_->keep_answers();
+    const Node answers = catalyst.find("insitu/answers");
+    session_->keep_answers(!answers || answers.integer() != 0); // all processes agree
   } catch (const Error& e) {
     throw Logged(e);
   }

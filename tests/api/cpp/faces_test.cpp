@@ -46,6 +46,11 @@ TEST(Faces, AreCellsInBothForms) {
   ASSERT_EQ(insitu_mesh_faces(mesh.handle(), 0, &faces), INSITU_OK);
   EXPECT_EQ(mesh.commit().cells, 2);
   EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 1}));
+  session.hold(1);
+  session.execute(0, 0.0);
+  session.show(0);
+  EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 1}));
+  session.show_live();
   faces.offsets.count = 9; // a face too few
   EXPECT_EQ(insitu_mesh_faces(mesh.handle(), 0, &faces), INSITU_ERROR_ARGUMENT);
 }

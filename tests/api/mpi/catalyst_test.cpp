@@ -10,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "insitu/insitu.h"
+
 #include "api/catalyst/nodes.h"
 #include "api/mpi/main.h"
 
@@ -176,6 +178,18 @@ TEST_F(Catalyst, AllProcessesGetTheValuesOfProbes) {
   EXPECT_EQ(one[1 + 108], 2.0) << "the first gauge's y";
   // The place in a cell is found by Newton's method, to roundings of numbers below 16.
   EXPECT_NEAR(one[2 + 4 * 108], 1.5 + 2.0 / 64, 1e-13) << "the first bolt's x, after two moves";
+}
+
+/// Processes that do not want the same wait for nobody.
+TEST_F(Catalyst, AllProcessesWantAnswersOrNone) {
+  TestNode start;
+  start.set("catalyst/scripts/scene", (folder() / "scene.yaml").string());
+  start.set("catalyst/insitu/output", (folder() / "some").string());
+  start.set("catalyst/mpi_comm", std::int64_t(MPI_Comm_c2f(MPI_COMM_WORLD)));
+  start.set("catalyst/insitu/answers", ::rank() == ::size() - 1 ? 0 : 1);
+  EXPECT_EQ(int(catalyst_initialize(start.get())),
+            ::size() == 1 ? 0 : 1000 + INSITU_ERROR_ARGUMENT);
+  EXPECT_EQ(catalyst_finalize(start.get()), catalyst_status_ok);
 }
 
 /// Level 0 on the first process and level 1 on the last one, whose domain cannot tell the spacing
