@@ -209,12 +209,12 @@ Places read_places(const Node& relation, std::int64_t ids_count, Copies& copies)
   const insitu_array in_place = ids(given, copies);
   const Leaf offsets = given.leaf();
   std::int64_t items = offsets.count;
-  if (!relation.find(
-          "sizes")) { // an item has ids, so that the last one does not begin at their end
+  const Node counts = relation.find("sizes");
+  if (!counts) { // every item has ids, so that none begins where all end
     items -= items > 0 && offsets.integer(items - 1) == ids_count;
     return {in_place, items};
   }
-  const Leaf sizes = sizes_of(relation.at("sizes"));
+  const Leaf sizes = sizes_of(counts);
   items = sizes.count;
   if (offsets.count != items && offsets.count != items + 1)
     given.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(offsets.count) +
