@@ -13,6 +13,21 @@ void check(insitu_status status) {
     throw Error(status, insitu_last_message());
 }
 
+/// In the order of their ids, if all domains have one: a host may hand them over in any order.
+void sort_by_id(std::vector<Domain>& domains) {
+  if (!std::all_of(domains.begin(), domains.end(), [](const Domain& d) { return d.id; }))
+    return;
+  std::stable_sort(domains.begin(), domains.end(),
+                   [](const Domain& a, const Domain& b) { return *a.id < *b.id; });
+  const auto same =
+      std::adjacent_find(domains.begin(), domains.end(),
+                         [](const Domain& a, const Domain& b) { return a.id == b.id; });
+  if (same != domains.end())
+    throw Error(INSITU_ERROR_ARGUMENT, std::next(same)->path + "/state/domain_id is " +
+                                           std::to_string(*same->id) + ", as " + same->path +
+                                           "/state/domain_id is");
+}
+
 std::vector<Domain> read_domains(const Node& data, const Attachment::Options& options) {
   std::vector<Domain> out;
   const auto add = [&](const Node& mesh) {
@@ -27,6 +42,7 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
       level.refuse(INSITU_ERROR_ARGUMENT,
                    "is " + std::to_string(out.back().level) + "; from 0 to " +
                        std::to_string(INSITU_AMR_MOST_LEVELS - 1) + " are supported");
+    out.back().windows = read_nestsets(mesh, out.back().topology, out.back().dimensions);
   };
   if (data.find("coordsets") || data.find("topologies"))
     add(data);
@@ -34,6 +50,7 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
     for (std::int64_t i = 0; i < data.size(); ++i)
       if (const Node domain = data.child(i); domain.size() > 0)
         add(domain);
+  sort_by_id(out);
   return out;
 }
 

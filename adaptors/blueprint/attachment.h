@@ -19,10 +19,10 @@ public:
     bool adaptive = false;
     Node channel; ///< where metadata of fields may stand too; null: nowhere
   };
-  /// Gives the tree's domains as the mesh's pieces: a tree with coordsets or topologies is one
-  /// domain, any other has one a child, or none. Cells and coordinates are given anew where they,
-  /// or their places, are others than before. Throws Error; the mesh then is not to be used before
-  /// another update.
+  /// Gives the tree's domains as the mesh's pieces, in the order of state/domain_id if all have
+  /// one: a tree with coordsets or topologies is one domain, any other has one a child, or none.
+  /// Cells and coordinates are given anew where they, or their places, are others than before.
+  /// Throws Error; the mesh then is not to be used before another update.
   void update(const Node& data, const Options& options);
 
   /// What of the last tree is not given to the mesh, a line each.

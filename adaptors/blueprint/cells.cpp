@@ -139,19 +139,23 @@ void read_types(const Node& elements, Domain& d) {
       d.dimensions == 3 ? "cells without volume are hidden" : "cells without area are hidden";
 }
 
-/// The sums of a relation's sizes, from 0 on: one more than there are sizes.
-insitu_array summed(const Node& relation, Copies& copies) {
-  const Node sizes = relation.at("sizes");
+/// The sizes of items, which are counts.
+Leaf sizes_of(const Node& sizes) {
   const Leaf leaf = sizes.leaf();
-  auto* offsets = copies.make<std::int64_t>(leaf.count + 1);
-  offsets[0] = 0;
-  for (std::int64_t i = 0; i < leaf.count; ++i) {
-    const std::int64_t size = leaf.integer(i);
-    if (size < 0 || size > INT32_MAX)
+  for (std::int64_t i = 0; i < leaf.count; ++i)
+    if (const std::int64_t size = leaf.integer(i); size < 0 || size > INT32_MAX)
       sizes.refuse(INSITU_ERROR_ARGUMENT,
                    "of item " + std::to_string(i) + " is " + std::to_string(size));
-    offsets[i + 1] = offsets[i] + size;
-  }
+  return leaf;
+}
+
+/// The sums of a relation's sizes, from 0 on: one more than there are sizes.
+insitu_array summed(const Node& relation, Copies& copies) {
+  const Leaf leaf = sizes_of(relation.at("sizes"));
+  auto* offsets = copies.make<std::int64_t>(leaf.count + 1);
+  offsets[0] = 0;
+  for (std::int64_t i = 0; i < leaf.count; ++i)
+    offsets[i + 1] = offsets[i] + leaf.integer(i);
   insitu_array out = insitu_array_of(offsets, INSITU_INT64, leaf.count + 1, 1);
   out.converted = "the tree has sizes without their sums";
   return out;
@@ -167,22 +171,64 @@ void read_offsets(const Node& elements, Domain& d) {
                                                " cells, and shapes of " + std::to_string(cells));
 }
 
-/// Where the items of a relation begin in its connectivity, and where the last one ends, which
-/// Blueprint leaves out. Offsets that are others than the sums of the sizes are refused.
-insitu_array read_sums(const Node& relation, Copies& copies) {
-  const insitu_array sums = summed(relation, copies);
-  const auto* sum = static_cast<const std::int64_t*>(sums.data);
+/// Where the items of a relation begin among so many ids of its connectivity: the tree's offsets,
+/// where they are, or the sums of the sizes.
+struct Places {
+  insitu_array offsets;
+  std::int64_t items;
+};
+
+/// Refuses offsets that are others than those of packed items, as the sizes tell them. Returns
+/// where the last item ends.
+std::int64_t end_of_packed(const Node& given, const Leaf& offsets, const Leaf& sizes,
+                           std::int64_t ids) {
+  std::int64_t at = offsets.count > 0 ? offsets.integer(0) : 0;
+  for (std::int64_t i = 0; i < offsets.count; ++i) {
+    const std::int64_t offset = offsets.integer(i);
+    if (offset < 0 || offset > ids)
+      given.refuse(INSITU_ERROR_ARGUMENT, "of item " + std::to_string(i) + " is " +
+                                              std::to_string(offset) + ", and there are " +
+                                              std::to_string(ids) + " ids");
+    if (offset != at)
+      given.refuse(INSITU_ERROR_UNSUPPORTED,
+                   "of item " + std::to_string(i) + " is " + std::to_string(offset) +
+                       "; packed items are supported, of which this one begins at " +
+                       std::to_string(at));
+    if (i < sizes.count) // which are below the greatest number of 32 bits
+      at += sizes.integer(i);
+  }
+  return at;
+}
+
+Places read_places(const Node& relation, std::int64_t ids_count, Copies& copies) {
   const Node given = relation.find("offsets");
-  if (!given)
-    return sums;
-  const Leaf leaf = given.leaf();
-  for (std::int64_t i = 0; i < std::min(leaf.count, sums.count); ++i)
-    if (leaf.integer(i) != sum[i])
-      given.refuse(INSITU_ERROR_UNSUPPORTED, "of item " + std::to_string(i) + " is " +
-                                                 std::to_string(leaf.integer(i)) +
-                                                 "; packed items are supported, of which this " +
-                                                 "one begins at " + std::to_string(sum[i]));
-  return sums;
+  if (!given) {
+    const insitu_array sums = summed(relation, copies);
+    return {sums, sums.count - 1};
+  }
+  const insitu_array in_place = ids(given, copies);
+  const Leaf offsets = given.leaf();
+  std::int64_t items = offsets.count;
+  const Node counts = relation.find("sizes");
+  if (!counts) { // every item has ids, so that none begins where all end
+    items -= items > 0 && offsets.integer(items - 1) == ids_count;
+    return {in_place, items};
+  }
+  const Leaf sizes = sizes_of(counts);
+  items = sizes.count;
+  if (offsets.count != items && offsets.count != items + 1)
+    given.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(offsets.count) +
+                                            " numbers, sizes has " + std::to_string(items));
+  const std::int64_t end = end_of_packed(given, offsets, sizes, ids_count);
+  if (offsets.count == items && end != ids_count) { // ids behind the last item's are no item's
+    insitu_array with_end = summed(relation, copies);
+    auto* place = static_cast<std::int64_t*>(const_cast<void*>(with_end.data)); // our own copy
+    for (std::int64_t i = 0; items > 0 && i <= items; ++i)
+      place[i] += offsets.integer(0);
+    with_end.converted = "the offsets do not tell where the last item ends";
+    return {with_end, items};
+  }
+  return {in_place, items};
 }
 
 /// Cells as lists of faces (elements), and faces as lists of vertices (subelements).
@@ -193,11 +239,13 @@ void read_polyhedra(const Node& topology, Domain& d) {
     refuse_shape(faces.at("shape"), faces.at("shape").text());
   d.faces.form = INSITU_FACES_CELLS;
   d.faces.vertices = ids(faces.at("connectivity"), *d.cell_copies);
-  d.faces.offsets = read_sums(faces, *d.cell_copies);
-  d.faces.face_count = d.faces.offsets.count - 1;
+  const Places of_faces = read_places(faces, d.faces.vertices.count, *d.cell_copies);
+  d.faces.offsets = of_faces.offsets;
+  d.faces.face_count = of_faces.items;
   d.faces.cell_faces = ids(elements.at("connectivity"), *d.cell_copies);
-  d.faces.cell_offsets = read_sums(elements, *d.cell_copies);
-  d.faces.cell_count = d.cell_count = d.faces.cell_offsets.count - 1;
+  const Places of_cells = read_places(elements, d.faces.cell_faces.count, *d.cell_copies);
+  d.faces.cell_offsets = of_cells.offsets;
+  d.faces.cell_count = d.cell_count = of_cells.items;
 }
 
 } // namespace

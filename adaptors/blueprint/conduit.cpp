@@ -77,6 +77,8 @@ Conduit resolve_as(const Loaded& loaded, const std::string& prefix) {
   resolve(loaded, node + "set_path_int64", c.set_path_int64);
   resolve(loaded, node + "set_path_float64", c.set_path_float64);
   resolve(loaded, node + "set_path_char8_str", c.set_path_char8_str);
+  resolve(loaded, node + "set_path_uint8_ptr", c.set_path_uint8_ptr);
+  resolve(loaded, node + "set_path_float64_ptr", c.set_path_float64_ptr);
   return c;
 }
 

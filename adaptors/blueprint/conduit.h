@@ -23,6 +23,9 @@ struct Conduit {
   void (*set_path_int64)(void* node, const char* path, std::int64_t value);
   void (*set_path_float64)(void* node, const char* path, double value);
   void (*set_path_char8_str)(void* node, const char* path, const char* value);
+  /// Of copies of n numbers.
+  void (*set_path_uint8_ptr)(void* node, const char* path, std::uint8_t* values, std::int64_t n);
+  void (*set_path_float64_ptr)(void* node, const char* path, double* values, std::int64_t n);
 
   /// Conduit's numbers of types, which are part of its binary interface.
   enum TypeId : std::int64_t {

@@ -221,6 +221,9 @@ Domain read_domain(const Node& mesh, const std::string& wanted, const Node& chan
   Domain d;
   d.path = mesh.path();
   const Node topology = chosen_topology(mesh, wanted);
+  d.topology = topology.name();
+  if (const Node id = mesh.find("state/domain_id"))
+    d.id = id.integer();
   d.dimensions = dimensions_of(mesh, topology) == 2 ? 2 : 3;
   const std::string type = topology.at("type").text();
   const std::string coordset_name = topology.at("coordset").text();

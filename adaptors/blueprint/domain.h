@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "nestsets.h"
 #include "node.h"
 
 namespace insitu::blueprint {
@@ -36,7 +37,10 @@ struct Domain {
   std::optional<insitu_array> ghosts, hidden_points;
   insitu_ghost_convention convention = INSITU_GHOSTS_VTK;
   std::optional<insitu_array> global_ids[2]; ///< by insitu_association
+  std::optional<std::int64_t> id;            ///< state/domain_id
+  std::string topology;                      ///< its name
   std::int64_t level = -1;                   ///< of a patch
+  std::vector<NestWindow> windows;           ///< of a patch
   std::uint64_t topology_print = 0, geometry_print = 0;
   std::vector<std::string> left_out; ///< what of the tree is not given, and why
   /// Of cells and what tells of them; equal ones of a step before are kept (keep_cells()).

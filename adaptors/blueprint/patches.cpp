@@ -58,33 +58,61 @@ std::map<std::int64_t, Level> levels_of(const std::vector<Domain>& domains) {
   return out;
 }
 
+/// Appends the ratios of the levels from a coarser one here to the next one here, `gap` levels
+/// below: where none between them is here, those that nestsets tell, and of the others a half or a
+/// quarter each. Returns what is left of the whole ratio, which should be 1.
+std::int64_t split(std::int64_t ratio, std::int64_t coarse, std::int64_t gap,
+                   const ToldRatios& told, std::vector<std::int32_t>& ratios) {
+  std::vector<std::int64_t> known(static_cast<std::size_t>(gap), 0); // 0: not known
+  for (std::int64_t l = 0; gap > 1 && l < gap; ++l)
+    if (const auto by = told.find({coarse + l, coarse + l + 1}); by != told.end())
+      known[static_cast<std::size_t>(l)] = by->second.ratio;
+  for (const std::int64_t k : known)
+    if (k > 0)
+      ratio = ratio % k == 0 ? ratio / k : 0;
+  std::int64_t left = std::count(known.begin(), known.end(), 0);
+  for (std::int64_t k : known) {
+    if (k == 0) {
+      --left;
+      k = ratio >> left >= 4 ? 4 : 2;
+      ratio = ratio % k == 0 ? ratio / k : 0;
+    }
+    ratios.push_back(static_cast<std::int32_t>(k));
+  }
+  return ratio;
+}
+
 /// The ratios of all levels from the coarsest on, and the coarsest spacing. Where no domain of a
-/// level is here, its ratio is a factor of that between its neighbours, and above the coarsest
-/// level here 2.
-void set_levels(const std::map<std::int64_t, Level>& levels, insitu_amr& lattice,
-                std::vector<std::int32_t>& ratios) {
+/// level is here, its ratio is that of nestsets, or else a factor of that between its neighbours,
+/// and above the coarsest level here 2.
+void set_levels(const std::map<std::int64_t, Level>& levels, const ToldRatios& told,
+                insitu_amr& lattice, std::vector<std::int32_t>& ratios) {
   const std::int64_t coarsest = levels.begin()->first;
   std::array<double, 3> spacing = levels.begin()->second.spacing;
-  ratios.assign(static_cast<std::size_t>(coarsest), 2);
-  for (double& s : spacing)
-    s *= std::exp2(double(coarsest));
+  for (std::int64_t l = 0; l < coarsest; ++l) {
+    const auto known = told.find({l, l + 1});
+    ratios.push_back(known == told.end() ? 2 : static_cast<std::int32_t>(known->second.ratio));
+    for (double& s : spacing)
+      s *= ratios.back();
+  }
   for (auto fine = std::next(levels.begin()); fine != levels.end(); ++fine) {
     const auto coarse = std::prev(fine);
     const std::int64_t gap = fine->first - coarse->first;
-    std::int64_t ratio = ratio_of(coarse->second.spacing, fine->second.spacing,
-                                  std::size_t(fine->second.first->dimensions));
-    for (std::int64_t l = 0; l < gap; ++l) {
-      const std::int64_t left = gap - l - 1; // levels after this one
-      const std::int64_t here = ratio >> left >= 4 ? 4 : 2;
-      ratios.push_back(static_cast<std::int32_t>(here));
-      ratio = here > 0 && ratio % here == 0 ? ratio / here : 0;
-    }
-    if (ratio != 1)
-      unsupported(*fine->second.first,
-                  "of level " + std::to_string(fine->first) + " has the spacing " +
-                      text(fine->second.spacing[0]) + ", level " + std::to_string(coarse->first) +
-                      " has " + text(coarse->second.spacing[0]) +
-                      "; a half or a quarter a level, along all axes, is supported");
+    const std::int64_t ratio = ratio_of(coarse->second.spacing, fine->second.spacing,
+                                        std::size_t(fine->second.first->dimensions));
+    if (split(ratio, coarse->first, gap, told, ratios) == 1)
+      continue;
+    for (const auto& [between, by] : told)
+      if (gap > 1 && between.first >= coarse->first && between.second <= fine->first)
+        throw Error(INSITU_ERROR_ARGUMENT, by.path + "/ratio/i is " + std::to_string(by.ratio) +
+                                               ", and from level " + std::to_string(coarse->first) +
+                                               " to level " + std::to_string(fine->first) +
+                                               " the spacings make " + std::to_string(ratio));
+    unsupported(*fine->second.first,
+                "of level " + std::to_string(fine->first) + " has the spacing " +
+                    text(fine->second.spacing[0]) + ", level " + std::to_string(coarse->first) +
+                    " has " + text(coarse->second.spacing[0]) +
+                    "; a half or a quarter a level, along all axes, is supported");
   }
   lattice.level_count = static_cast<std::int32_t>(ratios.size()) + 1;
   std::copy(spacing.begin(), spacing.end(), lattice.spacing);
@@ -145,7 +173,9 @@ void make_patches(std::vector<Domain>& domains, insitu_amr& lattice,
   ratios.clear();
   if (domains.empty())
     return;
-  set_levels(levels_of(domains), lattice, ratios);
+  const ToldRatios told = ratios_of_nestsets(domains);
+  set_levels(levels_of(domains), told, lattice, ratios);
+  check_ratios(told, ratios);
   for (Domain& d : domains) {
     double finer = 1;
     for (std::int64_t l = 0; l < d.level; ++l)

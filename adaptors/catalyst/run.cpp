@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 namespace insitu::catalyst {
 
@@ -30,6 +31,27 @@ Options options_of(const Node& catalyst) {
   if (const Node strict = catalyst.find("insitu/strict"))
     o.strict = strict.integer() != 0;
   return o;
+}
+
+/// A probe's points, and what it answered there, by columns as its table has them.
+void write_answers(const ProbeAnswers& a, const blueprint::Conduit& conduit, void* node) {
+  const std::string path = "catalyst/insitu/probes/" + std::string(a.name) + "/";
+  const auto points = static_cast<std::size_t>(a.point_count);
+  std::vector<double> column(points);
+  const auto write = [&](const std::string& name, const double* first, std::size_t step) {
+    for (std::size_t p = 0; p < points; ++p)
+      column[p] = first[p * step];
+    conduit.set_path_float64_ptr(node, (path + name).c_str(), column.data(), a.point_count);
+  };
+  conduit.set_path_int64(node, (path + "cycle").c_str(), a.cycle);
+  conduit.set_path_float64(node, (path + "time").c_str(), a.time);
+  for (std::size_t c = 0; c < 3; ++c)
+    write(std::string("points/") + "xyz"[c], a.points + c, 3);
+  std::vector<std::uint8_t> inside(a.inside, a.inside + points);
+  conduit.set_path_uint8_ptr(node, (path + "inside").c_str(), inside.data(), a.point_count);
+  const auto columns = static_cast<std::size_t>(a.column_count);
+  for (std::size_t c = 0; c < columns; ++c)
+    write("fields/" + std::string(a.column_names[c]), a.values + c, columns);
 }
 
 } // namespace
@@ -62,6 +84,8 @@ Run::Run(const Node& catalyst) {
   const Options options = options_of(catalyst);
   try {
     session_.emplace(options);
+    const Node answers = catalyst.find("insitu/answers");
+    session_->keep_answers(!answers || answers.integer() != 0); // all processes agree
   } catch (const Error& e) {
     throw Logged(e);
   }
@@ -154,6 +178,9 @@ void Run::write_results(const blueprint::Conduit& conduit, void* node) const {
   count("particles_seeded", r.particles_seeded);
   count("particles_alive", r.particles[INSITU_END_ALIVE]);
   conduit.set_path_float64(node, "catalyst/insitu/time", time_);
+  for (const ProbeAnswers& answers : session_->answers())
+    if (answers.answered)
+      write_answers(answers, conduit, node);
 }
 
 } // namespace insitu::catalyst

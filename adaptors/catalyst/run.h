@@ -30,7 +30,8 @@ public:
   /// process or another one: nothing is executed then.
   bool execute(const blueprint::Node& catalyst);
 
-  /// What the session did so far, as catalyst/insitu/... of the node.
+  /// What the session did so far, and what its probes answered last, as catalyst/insitu/... of the
+  /// node. Any process may ask, at any time.
   void write_results(const blueprint::Conduit& conduit, void* node) const;
 
   void close() { session_->close(); }

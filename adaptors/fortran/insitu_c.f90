@@ -334,6 +334,17 @@ module insitu_c
     type(c_ptr) :: values = c_null_ptr
   end type c_sample_args
 
+  type, bind(c) :: c_probe_answers
+    integer(c_size_t) :: size = 0
+    type(c_ptr) :: name = c_null_ptr
+    integer(c_int64_t) :: cycle = 0
+    real(c_double) :: time = 0.0_c_double
+    integer(c_int32_t) :: answered = 0, column_count = 0
+    integer(c_int64_t) :: point_count = 0
+    type(c_ptr) :: column_names = c_null_ptr, points = c_null_ptr, inside = c_null_ptr
+    type(c_ptr) :: values = c_null_ptr
+  end type c_probe_answers
+
   !> Totals since the session was opened; particles, bytes_by_purpose and located_by_reason are
   !! indexed by insitu_end_*, insitu_memory_* and insitu_reason_*; purposes, endings and reasons tell
   !! how many of each the library that runs counts, the first ones.

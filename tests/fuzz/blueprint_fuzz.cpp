@@ -73,9 +73,20 @@ void make(Tree& tree, unsigned kind) {
     integers(tree, t + "subelements/sizes", {4, 4, 4, 4, 4, 4, 4, 4, 4, 4, 4});
     integers(tree, e + "connectivity", {0, 1, 2, 3, 4, 5, 5, 6, 7, 8, 9, 10});
     integers(tree, e + "sizes", {6, 6});
+    integers(tree, t + "subelements/offsets", {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40});
+    integers(tree, e + "offsets", {0, 6, 12});
   }
-  if (kind == 6)
-    integers(tree, "state/level", {0});
+  if (kind == 6) {
+    integers(tree, "state/level", {2});
+    integers(tree, "state/domain_id", {5});
+    for (const char* partner : {"parent", "child"}) {
+      const std::string window = std::string("nestsets/n/windows/") + partner + "/";
+      text(tree, window + "domain_type", partner);
+      integers(tree, window + "domain_id", {4});
+      for (const char* n : {"i", "j", "k"})
+        integers(tree, window + "ratio/" + n, {2});
+    }
+  }
   text(tree, "fields/f/association", kind == 6 ? "element" : "vertex");
   numbers(tree, "fields/f/values", std::vector<double>(kind == 6 ? 2 : 12, 0.5));
   text(tree, "fields/velocity/association", "element");

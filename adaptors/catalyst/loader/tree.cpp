@@ -114,6 +114,12 @@ const Conduit& Tree::functions() {
     c.set_path_float64 = [](void* n, const char* path, double value) {
       of(n).make(path).set_copy(Conduit::float64, &value, 1);
     };
+    c.set_path_uint8_ptr = [](void* n, const char* path, std::uint8_t* values, std::int64_t count) {
+      of(n).make(path).set_copy(Conduit::uint8, values, count);
+    };
+    c.set_path_float64_ptr = [](void* n, const char* path, double* values, std::int64_t count) {
+      of(n).make(path).set_copy(Conduit::float64, values, count);
+    };
     c.set_path_char8_str = [](void* n, const char* path, const char* text) {
       of(n).make(path).set_copy(Conduit::char8_str, text, std::int64_t(std::strlen(text)) + 1);
     };

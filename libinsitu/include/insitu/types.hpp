@@ -4,6 +4,7 @@
 #define INSITU_TYPES_HPP
 
 #include "insitu/array.hpp"
+#include "insitu/c/probe.h"
 
 namespace insitu {
 
@@ -111,6 +112,7 @@ using AmrInfo = insitu_amr_info;
 using CommitReport = insitu_commit_report;
 using AuditEntry = insitu_audit_entry;
 using LocatorInfo = insitu_locator_info;
+using ProbeAnswers = insitu_probe_answers;
 
 /** Units of geodetic frames; see insitu_frame. */
 enum class Angle { degrees = INSITU_DEGREES, radians = INSITU_RADIANS };

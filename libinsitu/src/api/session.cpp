@@ -82,6 +82,7 @@ void Session::make_runner(const scene::SceneDescription& scene) {
   if (processes_.world().is_root())
     locks_.take(scene, runner->output());
   runner_ = std::move(runner);
+  runner_->keep_answers(keeps_answers_);
 }
 
 Session::~Session() = default;

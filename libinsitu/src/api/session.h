@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "insitu/c/probe.h"
+
 #include "api/array_watch.h"
 #include "api/given_watch.h"
 #include "api/output_locks.h"
@@ -65,6 +67,11 @@ public:
   void hold(int steps);
   void show(std::int64_t cycle);
   std::vector<std::int64_t> held() const { return held_.cycles(); }
+  /// Has all processes keep what probes answer, from the next execute on. Collective.
+  void keep_answers(std::int32_t keep);
+  /// What probe `probe` of the scene answered last; *count: how many probes the scene has. answers
+  /// null: the number alone.
+  void answers(std::int32_t probe, insitu_probe_answers* answers, std::int32_t* count);
   /// The mesh that queries are of: the live one, or that of the step that is shown. Throws
   /// INSITU_ERROR_ORDER if that step has none of its name.
   commit::CommittedMesh& answering(SessionMesh& mesh);
@@ -154,6 +161,7 @@ private:
   std::string hold_failure_;                ///< the last one logged
   std::string default_failure_; ///< the last one logged
   std::string plan_;            ///< the last one
+  bool keeps_answers_ = false;
 };
 
 } // namespace insitu::api

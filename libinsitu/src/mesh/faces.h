@@ -11,7 +11,7 @@ namespace insitu::mesh {
 struct RingsView {
   std::int64_t count = 0;
   IndexView ids;     ///< face after face; if behind, pointers to the ids of each face
-  IndexView offsets; ///< [count + 1] places in ids; if behind, [count] numbers of ids
+  IndexView offsets; ///< [count + 1] or [count] places in ids; if behind, [count] numbers of ids
   bool behind = false;
   std::int64_t bytes_behind = 0; ///< from the place that a pointer names to the first id
 

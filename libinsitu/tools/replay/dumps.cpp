@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
+#include <set>
 
 #include "catalyst/run.h"
 #include "options.h"
@@ -177,6 +178,32 @@ void add_domains(Tree& all, Tree& of_process, std::size_t process) {
   }
 }
 
+/// Takes the ids of a mesh's domains away where two have the same: each process numbered its own,
+/// and the domains' order is that of the processes.
+void drop_repeated_ids_of_mesh(Tree& domains) {
+  std::set<std::int64_t> known;
+  bool again = false;
+  const auto id_of = [](Tree& domain) {
+    return Node(Tree::functions(), &domain, "").find("state/domain_id");
+  };
+  for (const auto& domain : domains.children)
+    if (const Node id = id_of(*domain))
+      again = !known.insert(id.integer()).second || again;
+  for (const auto& domain : domains.children)
+    if (again && id_of(*domain))
+      domain->remove("state/domain_id");
+}
+
+void drop_repeated_ids(Tree& call) {
+  Tree* channels = call.find("catalyst/channels");
+  for (std::size_t c = 0; channels && c < channels->children.size(); ++c)
+    if (Tree* data = channels->children[c]->find("data")) {
+      drop_repeated_ids_of_mesh(*data);
+      for (const auto& block : data->children) // of a multimesh
+        drop_repeated_ids_of_mesh(*block);
+    }
+}
+
 void set_text(Tree& tree, const std::string& path, const std::string& text) {
   tree.make(path).set_copy(Conduit::char8_str, text.c_str(), std::int64_t(text.size()) + 1);
 }
@@ -277,6 +304,7 @@ bool replay_dumps(const ReplayOptions& options) {
       if (Tree* state = now[0]->tree.find("catalyst/state"))
         all.make("catalyst/state") = std::move(*state);
     try {
+      drop_repeated_ids(all);
       well = run.execute(catalyst_of(tree)) && well;
     } catch (const insitu::Error& e) {
       throw FileError(call[0], e.what());

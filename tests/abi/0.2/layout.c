@@ -2,6 +2,7 @@
  * tests/abi. Members called reserved are left out: later versions call them otherwise. */
 #include <stddef.h>
 
+#include "insitu/c/probe.h"
 #include "insitu/insitu.h"
 
 #define AT(type, member) (int64_t) offsetof(type, member)
@@ -193,6 +194,13 @@ int layout_of(int which, int64_t* out) {
                               AT(insitu_vertices_args, global_vertices),
                               AT(insitu_vertices_args, distances),
                               AT(insitu_vertices_args, places)};
+  const int64_t answers[] = {
+      sizeof(insitu_probe_answers),           AT(insitu_probe_answers, size),
+      AT(insitu_probe_answers, name),         AT(insitu_probe_answers, cycle),
+      AT(insitu_probe_answers, time),         AT(insitu_probe_answers, answered),
+      AT(insitu_probe_answers, column_count), AT(insitu_probe_answers, point_count),
+      AT(insitu_probe_answers, column_names), AT(insitu_probe_answers, points),
+      AT(insitu_probe_answers, inside),       AT(insitu_probe_answers, values)};
   const struct {
     const int64_t* numbers;
     size_t count;
@@ -214,7 +222,8 @@ int layout_of(int which, int64_t* out) {
                  {leaves, sizeof leaves / 8},
                  {amr_info, sizeof amr_info / 8},
                  {faces, sizeof faces / 8},
-                 {vertices, sizeof vertices / 8}};
+                 {vertices, sizeof vertices / 8},
+                 {answers, sizeof answers / 8}};
   for (size_t i = 0; i < structs[which].count; ++i)
     out[i] = structs[which].numbers[i];
   return (int)structs[which].count;

@@ -86,58 +86,96 @@ TEST_F(Blueprint, MixedCellsWithFlatOnes) {
 }
 
 /// The box by its faces, two of its cells glued to one that is no standard shape.
-TEST_F(Blueprint, Polyhedra) {
+struct Glued {
+  Glued() {
+    std::map<std::set<std::int64_t>, int> known;
+    constexpr int ring[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    for (std::size_t c = 0; c < std::size_t(box.own_cells()); ++c) {
+      const std::int64_t* v = &box.hexahedra[8 * c];
+      for (const auto& f : ring) {
+        const auto [face, fresh] =
+            known.try_emplace({v[f[0]], v[f[1]], v[f[2]], v[f[3]]}, int(known.size()));
+        if (fresh) {
+          for (const int i : f)
+            vertices.push_back(std::int32_t(v[i]));
+          sizes.push_back(4);
+        }
+        cell_faces.push_back(face->second);
+      }
+      cell_sizes.push_back(6);
+    }
+    // Cells 22 and 23, the last two, become one, without the face between them.
+    const auto last = cell_faces.end() - 12;
+    const std::set<int> of_first(last, last + 6);
+    int between = -1;
+    for (auto f = last + 6; f != cell_faces.end(); ++f)
+      between = of_first.count(*f) > 0 ? *f : between;
+    cell_faces.erase(std::remove(last, cell_faces.end(), between), cell_faces.end());
+    cell_sizes.pop_back();
+    cell_sizes.back() = 10;
+    number = box.number;
+    number.pop_back();
+  }
+  /// Where the items start, and, with_end, where the last one ends.
+  static std::vector<std::int64_t> offsets_of(const std::vector<std::int32_t>& sizes,
+                                              bool with_end) {
+    std::vector<std::int64_t> out{0};
+    for (const std::int32_t size : sizes)
+      out.push_back(out.back() + size);
+    if (!with_end)
+      out.pop_back();
+    return out;
+  }
+  static constexpr const char *e = "topologies/topo/elements/", *s = "topologies/topo/subelements/";
+  void add_to(TestNode& node) {
+    const std::string elements = e, faces = s;
+    node.set(elements + "shape", "polyhedral").set(elements + "connectivity", cell_faces);
+    node.set(elements + "sizes", cell_sizes).set(faces + "shape", "polygonal");
+    node.set(faces + "connectivity", vertices).set(faces + "sizes", sizes);
+    node.set("fields/number/values", number);
+  }
+
   Box box;
   std::vector<std::int32_t> vertices, sizes, cell_faces, cell_sizes;
-  std::map<std::set<std::int64_t>, int> known;
-  constexpr int ring[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                              {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  for (std::size_t c = 0; c < std::size_t(box.own_cells()); ++c) {
-    const std::int64_t* v = &box.hexahedra[8 * c];
-    for (const auto& f : ring) {
-      const auto [face, fresh] =
-          known.try_emplace({v[f[0]], v[f[1]], v[f[2]], v[f[3]]}, int(known.size()));
-      if (fresh) {
-        for (const int i : f)
-          vertices.push_back(std::int32_t(v[i]));
-        sizes.push_back(4);
-      }
-      cell_faces.push_back(face->second);
-    }
-    cell_sizes.push_back(6);
-  }
-  // Cells 22 and 23, the last two, become one, without the face between them.
-  const auto last = cell_faces.end() - 12;
-  const std::set<int> of_first(last, last + 6);
-  int between = -1;
-  for (auto f = last + 6; f != cell_faces.end(); ++f)
-    between = of_first.count(*f) > 0 ? *f : between;
-  ASSERT_GE(between, 0);
-  cell_faces.erase(std::remove(last, cell_faces.end(), between), cell_faces.end());
-  cell_sizes.pop_back();
-  cell_sizes.back() = 10;
-  std::vector<double> number = box.number;
-  number.pop_back();
+  std::vector<double> number;
+};
 
-  TestNode node = explicit_box(box, "unstructured");
-  const std::string e = "topologies/topo/elements/", s = "topologies/topo/subelements/";
-  node.set(e + "shape", "polyhedral").set(e + "connectivity", cell_faces);
-  node.set(e + "sizes", cell_sizes).set(s + "shape", "polygonal");
-  node.set(s + "connectivity", vertices).set(s + "sizes", sizes);
-  node.set("fields/number/values", number);
-  expect_attached(node);
-  Mesh mesh = session_.mesh("mesh");
-  const std::vector<double> points = points_of(box);
-  const Samples f = mesh.sample("f", points), n = mesh.sample("number", points);
-  for (std::size_t p = 0; p < f.size(); ++p) {
-    EXPECT_NEAR(f(p), points[3 * p] + 2 * points[3 * p + 1] + 3 * points[3 * p + 2], 1e-12);
-    EXPECT_EQ(n(p), double(std::min<std::size_t>(p, 22)));
+class BlueprintPolyhedra : public Blueprint {
+protected:
+  TestNode node_of(Glued& glued) {
+    TestNode node = explicit_box(glued.box, "unstructured");
+    glued.add_to(node);
+    return node;
   }
+  void expect_glued(const Glued& glued) {
+    Mesh mesh = session_.mesh("mesh");
+    const std::vector<double> points = points_of(glued.box);
+    const Samples f = mesh.sample("f", points), n = mesh.sample("number", points);
+    for (std::size_t p = 0; p < f.size(); ++p) {
+      // Roundings of eight products and sums of numbers below 32.
+      EXPECT_NEAR(f(p), points[3 * p] + 2 * points[3 * p + 1] + 3 * points[3 * p + 2], 1e-12);
+      EXPECT_EQ(n(p), double(std::min<std::size_t>(p, 22)));
+    }
+  }
+  void be_strict() {
+    Options strict = options_;
+    strict.strict = true;
+    session_ = Session(strict);
+  }
+};
+
+TEST_F(BlueprintPolyhedra, BySizes) {
+  Glued glued;
+  TestNode node = node_of(glued);
+  expect_attached(node);
+  expect_glued(glued);
+  Mesh mesh = session_.mesh("mesh");
   ASSERT_EQ(attach(node), INSITU_OK);
   EXPECT_EQ(mesh.commit().action, INSITU_KEEP);
-  cell_sizes.back() = 9; // a face is missing
-  cell_faces.pop_back();
-  ASSERT_EQ(attach(node.set(e + "connectivity", cell_faces)), INSITU_OK);
+  glued.cell_sizes.back() = 9; // a face is missing
+  glued.cell_faces.pop_back();
+  ASSERT_EQ(attach(node.set(std::string(Glued::e) + "connectivity", glued.cell_faces)), INSITU_OK);
   try {
     mesh.commit();
     ADD_FAILURE() << "an open cell was taken";
@@ -145,6 +183,84 @@ TEST_F(Blueprint, Polyhedra) {
     EXPECT_NE(std::string(error.what()).find("cell 22: is not closed"), std::string::npos)
         << error.what();
   }
+}
+
+/// Offsets are read where they are, with the last item's end or without it, beside sizes or alone;
+/// sums of sizes would be copies, which a strict session refuses.
+TEST_F(BlueprintPolyhedra, ByOffsetsInAStrictSession) {
+  be_strict();
+  Glued glued;
+  const std::string e = Glued::e, s = Glued::s;
+  for (const bool with_end : {false, true})
+    for (const bool with_sizes : {true, false}) {
+      TestNode node = node_of(glued);
+      std::vector<std::int64_t> starts = Glued::offsets_of(glued.sizes, with_end);
+      const std::vector<std::int64_t> long_starts = Glued::offsets_of(glued.cell_sizes, with_end);
+      std::vector<std::int32_t> cell_starts(long_starts.begin(), long_starts.end());
+      node.set(s + "offsets", starts).set(e + "offsets", cell_starts);
+      if (!with_sizes)
+        node.remove(s + "sizes").remove(e + "sizes");
+      expect_attached(node);
+      expect_glued(glued);
+      EXPECT_EQ(copies(), 1u); // what the glued cell is cut into
+      ASSERT_EQ(attach(node), INSITU_OK);
+      EXPECT_EQ(session_.mesh("mesh").commit().action, INSITU_KEEP);
+    }
+  ASSERT_EQ(attach(node_of(glued)), INSITU_OK);
+  try {
+    session_.mesh("mesh").commit();
+    ADD_FAILURE() << "sums were made";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), INSITU_ERROR_CONVERSION) << error.what();
+  }
+}
+
+/// Ids may go on behind the last item's, where offsets alone do not tell its end.
+TEST_F(BlueprintPolyhedra, ByOffsetsAndSizesWithinMoreIds) {
+  Glued glued;
+  const std::string e = Glued::e, s = Glued::s;
+  TestNode node = node_of(glued);
+  std::vector<std::int64_t> starts = Glued::offsets_of(glued.sizes, false),
+                            cell_starts = Glued::offsets_of(glued.cell_sizes, false);
+  glued.vertices.insert(glued.vertices.begin(), 3, 0);
+  glued.vertices.insert(glued.vertices.end(), 4, 0);
+  for (std::int64_t& start : starts)
+    start += 3;
+  node.set(s + "connectivity", glued.vertices).set(s + "offsets", starts);
+  node.set(e + "offsets", cell_starts);
+  expect_attached(node);
+  expect_glued(glued);
+  EXPECT_EQ(copies(), 2u); // the faces' offsets, and what the glued cell is cut into
+}
+
+TEST_F(BlueprintPolyhedra, OffsetsThatDoNotFitAreNamed) {
+  Glued glued;
+  const std::string e = Glued::e, s = Glued::s;
+  const auto with = [&](std::vector<std::int64_t>& offsets) {
+    TestNode node = node_of(glued);
+    node.set(e + "offsets", offsets);
+    return node;
+  };
+  std::vector<std::int64_t> cell_starts = Glued::offsets_of(glued.cell_sizes, true);
+  ++cell_starts[2];
+  expect_refused(with(cell_starts), INSITU_ERROR_UNSUPPORTED,
+                 "elements/offsets of item 2 is 13; packed items are supported, of which this one "
+                 "begins at 12");
+  cell_starts[2] = -1;
+  expect_refused(with(cell_starts), INSITU_ERROR_ARGUMENT, "elements/offsets of item 2 is -1");
+  std::vector<std::int64_t> few = {0, 6};
+  expect_refused(with(few), INSITU_ERROR_ARGUMENT, "elements/offsets has 2 numbers, sizes has 23");
+  std::vector<std::int32_t> negative = glued.cell_sizes;
+  negative[1] = -6;
+  expect_refused(node_of(glued).set(e + "sizes", negative), INSITU_ERROR_ARGUMENT,
+                 "elements/sizes of item 1 is -6");
+  expect_refused(node_of(glued).remove(s + "sizes"), INSITU_ERROR_ARGUMENT,
+                 "topologies/topo/subelements/sizes is missing");
+  // Without sizes the library finds what lies nowhere.
+  cell_starts = Glued::offsets_of(glued.cell_sizes, false);
+  cell_starts.back() = 1000;
+  ASSERT_EQ(attach(with(cell_starts).remove(e + "sizes")), INSITU_OK);
+  EXPECT_THROW(session_.mesh("mesh").commit(), Error);
 }
 
 } // namespace

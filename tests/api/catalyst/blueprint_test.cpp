@@ -1,4 +1,4 @@
-// Blueprint nodes as meshes: blocks, domains, fields, ghosts, patches, read in place.
+// Blueprint nodes as meshes: blocks, domains, fields, ghosts, read in place.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -93,6 +93,42 @@ TEST_F(Blueprint, DomainsArePieces) {
   EXPECT_EQ(mesh.locate(std::vector<double>{1.5, 2.1, 3.1}).pieces[0], -1);
 }
 
+/// Hosts that hand domains over in another order: pieces are those of the ids, and nothing is built
+/// anew. Where one domain has no id, their order is the tree's.
+TEST_F(Blueprint, DomainsAreOrderedByTheirIds) {
+  Box box, other;
+  for (double& n : other.number)
+    n += 1000;
+  const auto tree_of = [&](const std::vector<std::string>& names) {
+    TestNode node;
+    for (const std::string& name : names) {
+      const bool second = name == "west";
+      add_uniform_box(node, name + "/", box, {second ? 5.0 : 1.0, 2.0, 3.0});
+      node.set(name + "/fields/number/association", "element");
+      node.set(name + "/fields/number/values", second ? other.number : box.number);
+      node.set(name + "/state/domain_id", second ? 12 : 7);
+    }
+    return node;
+  };
+  const std::vector<double> points = {1.5, 2.1, 3.1, 5.5, 2.1, 3.1};
+  expect_attached(tree_of({"east", "west"}));
+  Mesh mesh = session_.mesh("mesh");
+  for (const auto& names : {std::vector<std::string>{"west", "east"}, {"east", "west"}}) {
+    ASSERT_EQ(attach(tree_of(names)), INSITU_OK) << insitu_blueprint_message();
+    EXPECT_EQ(mesh.commit().action, INSITU_KEEP);
+    EXPECT_EQ(mesh.locate(points).pieces, (std::vector<std::int32_t>{0, 1}));
+    const Samples number = mesh.sample("number", points);
+    EXPECT_EQ(number(0), 0);
+    EXPECT_EQ(number(1), 1000);
+  }
+  expect_attached(tree_of({"west", "east"}).remove("west/state"));
+  EXPECT_EQ(mesh.locate(points).pieces, (std::vector<std::int32_t>{1, 0}));
+  expect_refused(tree_of({"west", "east"}).set("west/state/domain_id", 7), INSITU_ERROR_ARGUMENT,
+                 "mesh/east/state/domain_id is 7, as mesh/west/state/domain_id is");
+  expect_refused(tree_of({"west", "east"}).set("west/state/domain_id", "one"),
+                 INSITU_ERROR_ARGUMENT, "mesh/west/state/domain_id holds no numbers");
+}
+
 TEST_F(Blueprint, WhatDidNotChangeIsKept) {
   Box box;
   const TestNode node = hexahedra(box);
@@ -169,80 +205,6 @@ TEST_F(Blueprint, VectorsOfAnyLayout) {
     EXPECT_NEAR(v(0, 2), 3.3, 1e-14);
   }
   expect_in_place();
-}
-
-/// A level of one block of four cells along each axis, and one of four finer ones along each in its
-/// middle, with a layer of duplicates around; cells' values tell where they are.
-struct TwoLevels {
-  TwoLevels(std::size_t dimensions, TestNode& node) {
-    const auto put = [&](const std::string& name, int level, int cells, double origin,
-                         double spacing, std::vector<double>& values) {
-      for_cells(dimensions, cells, [&](const std::array<int, 3>& at) {
-        values.push_back(level * 1000 + at[0] + 10 * at[1] + 100 * at[2]);
-      });
-      add_uniform(node, name, std::vector(dimensions, cells), std::vector(dimensions, origin),
-                  std::vector(dimensions, spacing));
-      node.set(name + "state/level", level);
-      node.set(name + "fields/v/association", "element").set(name + "fields/v/values", values);
-    };
-    put("a/", 0, 4, 0.0, 1.0, coarse);
-    put("b/", 1, 6, 0.5, 0.5, fine); // from 1 to 3 without its layer
-    for_cells(dimensions, 6, [&](const std::array<int, 3>& at) {
-      ghosts.push_back(std::any_of(at.begin(), at.begin() + std::ptrdiff_t(dimensions),
-                                   [](int i) { return i < 1 || i > 4; }));
-    });
-    node.set("b/fields/ascent_ghosts/association", "element");
-    node.set("b/fields/ascent_ghosts/values", ghosts);
-  }
-  template <class F>
-  static void for_cells(std::size_t dimensions, int cells, F&& f) {
-    for (int k = 0; k < (dimensions == 3 ? cells : 1); ++k)
-      for (int j = 0; j < cells; ++j)
-        for (int i = 0; i < cells; ++i)
-          f(std::array{i, j, k});
-  }
-
-  std::vector<double> coarse, fine;
-  std::vector<std::int32_t> ghosts;
-};
-
-TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
-  TestNode node;
-  const TwoLevels levels(3, node);
-  expect_attached(node, true);
-  Mesh mesh = session_.mesh("mesh");
-  const std::vector<double> points = {0.5, 0.5, 0.5, 1.25, 1.25, 1.25, 2.75, 1.25, 1.25};
-  const Locations at = mesh.locate(points);
-  EXPECT_EQ(at.pieces, (std::vector<std::int32_t>{0, 1, 1}));
-  const Samples v = mesh.sample("v", points); // cells' centres
-  EXPECT_NEAR(v(0), 0, 1e-12);
-  EXPECT_NEAR(v(1), 1111, 1e-9);
-  EXPECT_NEAR(v(2), 1114, 1e-9);
-  EXPECT_EQ(mesh.amr_info().masked, 8);
-
-  node.set("b/coordsets/coords/origin/x", 0.6);
-  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a whole cell is needed", true);
-  node.set("b/coordsets/coords/origin/x", 0.5).set("b/coordsets/coords/spacing/dy", 0.25);
-  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a half or a quarter a level", true);
-}
-
-TEST_F(Blueprint, PatchesOfAFlatAdaptiveMesh) {
-  TestNode node;
-  const TwoLevels levels(2, node);
-  expect_attached(node, true);
-  Mesh mesh = session_.mesh("mesh");
-  const std::vector<double> points = {0.5, 0.5, 7, 1.25, 1.25, 0, 2.75, 1.25, -3};
-  const Locations at = mesh.locate(points);
-  EXPECT_EQ(at.pieces, (std::vector<std::int32_t>{0, 1, 1}));
-  const Samples v = mesh.sample("v", points); // cells' centres
-  EXPECT_NEAR(v(0), 0, 1e-12);
-  EXPECT_NEAR(v(1), 1011, 1e-9);
-  EXPECT_NEAR(v(2), 1014, 1e-9);
-  EXPECT_EQ(mesh.amr_info().masked, 4);
-
-  node.set("b/coordsets/coords/dims/k", 2).set("b/coordsets/coords/origin/z", 0.0);
-  node.set("b/coordsets/coords/spacing/dz", 0.5);
-  expect_refused(node, INSITU_ERROR_UNSUPPORTED, "has 3 dimensions, ", true);
 }
 
 TEST_F(Blueprint, WhatIsMissingIsNamedByItsPath) {

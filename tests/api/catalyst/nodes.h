@@ -59,12 +59,27 @@ public:
                                                         8 * first, 8 * step, 8, 0);
     return *this;
   }
+  bool has(const std::string& path) const {
+    return conduit_node_has_path(get(), path.c_str()) != 0;
+  }
+  /// The doubles, or bytes, at a path that is there.
+  std::vector<double> doubles(const std::string& path) const { return values<double>(path); }
+  std::vector<std::uint8_t> bytes(const std::string& path) const {
+    return values<std::uint8_t>(path);
+  }
   TestNode& remove(const std::string& path) {
     conduit_node_remove_path(get(), path.c_str());
     return *this;
   }
 
 private:
+  template <class T>
+  std::vector<T> values(const std::string& path) const {
+    conduit_node* leaf = conduit_node_fetch_existing(get(), path.c_str());
+    const conduit_index_t n = conduit_datatype_number_of_elements(conduit_node_dtype(leaf));
+    const T* first = static_cast<const T*>(conduit_node_element_ptr(leaf, 0));
+    return std::vector<T>(first, first + n); // packed, as results are
+  }
   template <class T>
   static std::int64_t size(const std::vector<T>& values) {
     return static_cast<std::int64_t>(values.size());

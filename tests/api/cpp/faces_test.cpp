@@ -27,4 +27,30 @@ TEST(Faces, AreCellsInBothForms) {
   mesh.faces_of_cells(vertices, offsets, lists, starts);
   EXPECT_EQ(mesh.commit().cells, 1);
   EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 0}));
+  // The last face and the last cell end where the ids do.
+  insitu_faces faces = insitu_faces_default();
+  faces.form = INSITU_FACES_CELLS;
+  faces.cell_count = 1;
+  faces.face_count = 10;
+  faces.vertices = insitu_array_of(vertices.data(), INSITU_INT32, 36, 1);
+  faces.offsets = insitu_array_of(offsets.data(), INSITU_INT64, 10, 1);
+  faces.cell_faces = insitu_array_of(lists.data(), INSITU_INT32, 9, 1);
+  faces.cell_offsets = insitu_array_of(starts.data(), INSITU_INT32, 1, 1);
+  ASSERT_EQ(insitu_mesh_faces(mesh.handle(), 0, &faces), INSITU_OK);
+  EXPECT_EQ(mesh.commit().cells, 1);
+  EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 0}));
+  faces.form = INSITU_FACES_OWNERS;
+  faces.cell_count = 2;
+  faces.owner = insitu_array_of(owner.data(), INSITU_INT32, 10, 1);
+  faces.neighbour = insitu_array_of(neighbour.data(), INSITU_INT32, 1, 1);
+  ASSERT_EQ(insitu_mesh_faces(mesh.handle(), 0, &faces), INSITU_OK);
+  EXPECT_EQ(mesh.commit().cells, 2);
+  EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 1}));
+  session.hold(1);
+  session.execute(0, 0.0);
+  session.show(0);
+  EXPECT_EQ(mesh.locate(insitu::Points(in)).cells, (std::vector<std::int64_t>{0, 1}));
+  session.show_live();
+  faces.offsets.count = 9; // a face too few
+  EXPECT_EQ(insitu_mesh_faces(mesh.handle(), 0, &faces), INSITU_ERROR_ARGUMENT);
 }

@@ -38,6 +38,7 @@ program layout_test
   type(c_patch), target :: patch
   type(c_leaves), target :: leaves
   type(insitu_amr_info), target :: amr_info
+  type(c_probe_answers), target :: answers
   integer :: failures = 0
 
   call compare('options', 0, c_sizeof(options), [ &
@@ -91,6 +92,11 @@ program layout_test
   call compare('sample', 9, c_sizeof(sample), [ &
       c_loc(sample%size), c_loc(sample%locate), c_loc(sample%fields), c_loc(sample%field_count), &
       c_loc(sample%values)])
+  call compare('answers', 19, c_sizeof(answers), [ &
+      c_loc(answers%size), c_loc(answers%name), c_loc(answers%cycle), c_loc(answers%time), &
+      c_loc(answers%answered), c_loc(answers%column_count), c_loc(answers%point_count), &
+      c_loc(answers%column_names), c_loc(answers%points), c_loc(answers%inside), &
+      c_loc(answers%values)])
   call compare('vertices', 18, c_sizeof(vertices), [ &
       c_loc(vertices%size), c_loc(vertices%points), c_loc(vertices%point_arrays), &
       c_loc(vertices%nearest), c_loc(vertices%frame), c_loc(vertices%greatest_distance), &

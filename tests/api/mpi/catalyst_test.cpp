@@ -3,10 +3,14 @@
 /// others waiting.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "insitu/insitu.h"
 
 #include "api/catalyst/nodes.h"
 #include "api/mpi/main.h"
@@ -19,6 +23,7 @@ const char* const scene = R"(insitu: 1
 page: false
 probes:
   - {name: gauges, mesh: grid, points: {box: {min: [1, 2, 3], max: [8.9, 4.9, 3.9], counts: [9, 4, 3]}}, fields: [f, number]}
+  - {name: bolts, mesh: grid, attached: body, points: [[1.5, 2.2, 3.1], [8.7, 4.7, 3.6], [5.1, 4.1, 3.3]], fields: [f]}
 tracers:
   - {name: drifters, mesh: grid, velocity: v, seeds: {line: {from: [1.2, 2.2, 3.1], to: [8.5, 4.3, 3.4], count: 9}}}
 )";
@@ -69,8 +74,27 @@ fs::path folder() {
   return fs::temp_directory_path() / ("insitu_catalyst_mpi_" + std::to_string(::size()));
 }
 
-/// Of one process if communicator is negative.
-int run(const std::string& name, std::int64_t communicator, Slab& slab, int wrong_at = -1) {
+/// What catalyst_results tells of the probes, as one row.
+std::vector<double> answers() {
+  TestNode node;
+  if (catalyst_results(node.get()) != catalyst_status_ok)
+    return {};
+  std::vector<double> all;
+  for (const char* probe : {"gauges", "bolts"})
+    for (const char* path : {"time", "points/x", "points/y", "points/z", "fields/f"}) {
+      const std::vector<double> some =
+          node.doubles(std::string("catalyst/insitu/probes/") + probe + "/" + path);
+      all.insert(all.end(), some.begin(), some.end());
+    }
+  for (const std::uint8_t inside : node.bytes("catalyst/insitu/probes/gauges/inside"))
+    all.push_back(inside);
+  return all;
+}
+
+/// Of one process if communicator is negative. told: gets the answers of the probes at each cycle
+/// from 2 on, in one of them on one process alone.
+int run(const std::string& name, std::int64_t communicator, Slab& slab, int wrong_at = -1,
+        std::vector<double>* told = nullptr) {
   TestNode start;
   start.set("catalyst/scripts/scene", (folder() / "scene.yaml").string());
   start.set("catalyst/insitu/output", (folder() / name).string());
@@ -83,6 +107,12 @@ int run(const std::string& name, std::int64_t communicator, Slab& slab, int wron
     if (cycle == wrong_at)
       node.remove("catalyst/channels/grid/data/topologies/t/coordset");
     failures += catalyst_execute(node.get()) != catalyst_status_ok;
+    if (told && cycle >= 2 && (cycle != 3 || communicator < 0 || ::rank() == ::size() - 1)) {
+      const std::vector<double> now = answers();
+      told->insert(told->end(), now.begin(), now.end());
+    }
+    for (double& x : slab.box.x)
+      x += told ? 1.0 / 64 : 0.0;
   }
   return failures + (catalyst_finalize(start.get()) != catalyst_status_ok);
 }
@@ -125,6 +155,93 @@ TEST_F(Catalyst, TablesAreThoseOfOneProcess) {
     }
   }
   MPI_Barrier(MPI_COMM_WORLD);
+}
+
+/// Values to steer by are the same on all processes, and those of one process, to the bit; a
+/// process that asks alone waits for nobody. The mesh moves, and some points with it.
+TEST_F(Catalyst, AllProcessesGetTheValuesOfProbes) {
+  Slab slab = own_slab();
+  std::vector<double> told, one;
+  EXPECT_EQ(run("told", MPI_Comm_c2f(MPI_COMM_WORLD), slab, -1, &told), 0);
+  if (::rank() == 0) {
+    Slab whole(0, 8);
+    EXPECT_EQ(run("told_one", -1, whole, -1, &one), 0);
+  }
+  const std::size_t row = 2 + 3 * 108 + 3 * 3 + 108 + 3 + 108;
+  one.resize(4 * row);
+  MPI_Bcast(one.data(), int(one.size()), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  if (::rank() != ::size() - 1) // which alone asked in the second of four cycles
+    one.erase(one.begin() + row, one.begin() + 2 * row);
+  ASSERT_EQ(told.size(), one.size());
+  EXPECT_EQ(std::memcmp(told.data(), one.data(), one.size() * sizeof(double)), 0);
+  EXPECT_TRUE(std::count_if(one.begin(), one.end(), [](double x) { return std::isnan(x); }) > 0);
+  EXPECT_EQ(one[1 + 108], 2.0) << "the first gauge's y";
+  // The place in a cell is found by Newton's method, to roundings of numbers below 16.
+  EXPECT_NEAR(one[2 + 4 * 108], 1.5 + 2.0 / 64, 1e-13) << "the first bolt's x, after two moves";
+}
+
+/// Processes that do not want the same wait for nobody.
+TEST_F(Catalyst, AllProcessesWantAnswersOrNone) {
+  TestNode start;
+  start.set("catalyst/scripts/scene", (folder() / "scene.yaml").string());
+  start.set("catalyst/insitu/output", (folder() / "some").string());
+  start.set("catalyst/mpi_comm", std::int64_t(MPI_Comm_c2f(MPI_COMM_WORLD)));
+  start.set("catalyst/insitu/answers", ::rank() == ::size() - 1 ? 0 : 1);
+  EXPECT_EQ(int(catalyst_initialize(start.get())),
+            ::size() == 1 ? 0 : 1000 + INSITU_ERROR_ARGUMENT);
+  EXPECT_EQ(catalyst_finalize(start.get()), catalyst_status_ok);
+}
+
+/// Level 0 on the first process and level 1 on the last one, whose domain cannot tell the spacing
+/// of level 0 but for its nestsets: a quarter. Their lower corners are one.
+TEST_F(Catalyst, NestsetsTellTheRatioOfALevelOfAnotherProcess) {
+  std::vector<double> coarse, fine;
+  TestNode node;
+  const std::string data = "catalyst/channels/grid/data/";
+  const auto put = [&](const std::string& name, int level, int cells, double spacing,
+                       std::vector<double>& values) {
+    const std::string d = data + name + "/";
+    for (int a = 0; a < 3; ++a) {
+      node.set(d + "coordsets/c/dims/" + "ijk"[a], cells + 1);
+      node.set(d + "coordsets/c/spacing/d" + "xyz"[a], spacing);
+    }
+    node.set(d + "coordsets/c/type", "uniform").set(d + "topologies/t/type", "uniform");
+    node.set(d + "topologies/t/coordset", "c").set(d + "state/level", level);
+    for (int i = 0; i < cells * cells * cells; ++i)
+      values.push_back(100 * level + i);
+    node.set(d + "fields/v/association", "element").set(d + "fields/v/values", values);
+  };
+  node.set("catalyst/channels/grid/type", "amrmesh");
+  if (::rank() == 0)
+    put("coarse", 0, 3, 4.0, coarse);
+  if (::rank() == ::size() - 1) {
+    put("fine", 1, 4, 1.0, fine);
+    const std::string window = data + "fine/nestsets/nest/windows/w/";
+    node.set(window + "domain_id", 0).set(window + "domain_type", "parent");
+    for (const char* axis : {"i", "j", "k"})
+      node.set(window + "ratio/" + axis, 4);
+  }
+  const std::string path = (folder() / "amr.yaml").string();
+  if (::rank() == 0)
+    std::ofstream(path) << "insitu: 1\npage: false\nprobes:\n"
+                           "  - {name: p, points: [[2, 2, 2], [6, 2, 2], [0.5, 0.5, 0.5]], "
+                           "fields: [v]}\n";
+  MPI_Barrier(MPI_COMM_WORLD);
+  TestNode start, results;
+  start.set("catalyst/scripts/scene", path).set("catalyst/insitu/threads", 1);
+  start.set("catalyst/insitu/output", (folder() / "amr").string());
+  start.set("catalyst/mpi_comm", std::int64_t(MPI_Comm_c2f(MPI_COMM_WORLD)));
+  ASSERT_EQ(catalyst_initialize(start.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_finalize(start.get()), catalyst_status_ok);
+  ASSERT_TRUE(results.has("catalyst/insitu/probes/p/fields/v"));
+  const std::vector<double> v = results.doubles("catalyst/insitu/probes/p/fields/v");
+  // The mean of the eight cells around a corner, and the centres of a coarse and of a fine cell:
+  // sums of eight numbers below 200, rounded.
+  EXPECT_NEAR(v[0], 100 + (21.0 + 42.0) / 2, 1e-11);
+  EXPECT_NEAR(v[1], 1, 1e-11);
+  EXPECT_NEAR(v[2], 100, 1e-11);
 }
 
 /// Nothing is executed in that step, on any process, and the run goes on.

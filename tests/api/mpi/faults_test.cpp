@@ -103,17 +103,21 @@ const char* const state = "faults.insitu";
 
 const std::vector<Phase>& phases() {
   const auto open = [](Solver& s) { s.open(); };
-  const auto executed = [](Solver& s) {
+  const auto opened = [](Solver& s) {
     s.open();
+    s.session->keep_answers(); // probes tell all processes what they find
+  };
+  const auto executed = [opened](Solver& s) {
+    opened(s);
     s.execute(0);
   };
-  const auto restarted = [](Solver& s) {
-    s.open();
+  const auto restarted = [opened](Solver& s) {
+    opened(s);
     s.session->restart(state);
   };
   static const std::vector<Phase> all = {
       {"open", [](Solver&) {}, open},
-      {"first execute", open, [](Solver& s) { s.execute(0); }},
+      {"first execute", opened, [](Solver& s) { s.execute(0); }},
       {"execute", executed, [](Solver& s) { s.execute(1); }},
       {"query everywhere", executed, [](Solver& s) { s.ask(); }},
       {"checkpoint", executed, [](Solver& s) { s.session->checkpoint(state); }},

@@ -1,8 +1,9 @@
 # Installs the build into a folder of its own and moves that, then builds and runs programs against it as a user would:
 # the numbered examples by find_package, and by pkg-config what README.md shows, examples/Makefile in it. Variables:
 # BUILD, SOURCE, WORK, LIBDIR, DOCDIR, C_COMPILER, CXX_COMPILER, Fortran_COMPILER (if the module was built), GENERATOR,
-# CONFIGURATION, LINKER_FLAGS, MPI_PROGRAM (a program on MPI, if that was found).
+# CONFIGURATION, LINKER_FLAGS, MPI_PROGRAM (a program on MPI, if that was found), CATALYST_PROGRAM (examples/catalyst).
 cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/catalyst.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/pkg_config.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/pages.cmake)
 
@@ -22,6 +23,7 @@ run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
 file(MAKE_DIRECTORY ${home})
 file(RENAME ${WORK}/installed ${prefix})
 check_pages()
+check_catalyst()
 
 set(languages c cpp)
 if(Fortran_COMPILER)

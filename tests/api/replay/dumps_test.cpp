@@ -66,6 +66,8 @@ struct Dumps : Replay {
     w.integer("catalyst/state/timestep", cycle);
     w.real("catalyst/state/time", 0.5 * cycle);
     w.text("catalyst/channels/grid/type", "mesh");
+    if (cycle > 4) // each process numbers its own domain
+      w.integer(data + "state/domain_id", 0);
     w.text(data + "coordsets/c/type", "uniform");
     w.integer(data + "coordsets/c/dims/i", 3);
     w.integer(data + "coordsets/c/dims/j", 2);

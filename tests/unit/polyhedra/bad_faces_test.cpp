@@ -141,7 +141,7 @@ TEST(BadFaces, Arguments) {
   refused([](auto& f) { f.index_base = 2; }, "index_base 2");
   refused([](auto& f) { f.cell_count = -1; }, "cell_count -1");
   refused([](auto& f) { f.face_count = far_out + 1; }, "face_count");
-  refused([](auto& f) { f.face_count += 1; }, "face offsets: ");
+  refused([](auto& f) { f.face_count += 2; }, "face offsets: ");
   refused([](auto& f) { f.owner.count -= 1; }, "owner: ");
   refused([](auto& f) { f.neighbour.count = f.face_count + 1; }, "neighbour: ");
   refused([](auto& f) { f.owner.type = INSITU_FLOAT64; }, "int32 or int64 expected");
@@ -150,13 +150,20 @@ TEST(BadFaces, Arguments) {
   refused([](auto& f) { f.boundary_count = 2; }, "boundary");
   refused([](auto& f) { f.owner.components = 2; }, "owner has two components");
   insitu_faces cells = r.by_cell;
-  cells.cell_offsets.count -= 1;
-  expect_in(r.commit(cells, INSITU_ERROR_ARGUMENT), {"cell offsets: 9 items, 10 expected"});
+  cells.cell_offsets.count -= 2;
+  expect_in(r.commit(cells, INSITU_ERROR_ARGUMENT), {"cell offsets: 8 items, 10 expected"});
 }
 
-// Arrays that run backwards are arrays; pairs and a boundary apart are the same faces.
+// Arrays that run backwards are arrays; pairs and a boundary apart are the same faces, and the last
+// face and the last cell end where the ids do.
 TEST(BadFaces, GoodOnesOfOtherLayouts) {
   Refused r;
+  for (insitu_faces without : {r.by_owner, r.by_cell}) {
+    --without.offsets.count;
+    if (without.form == INSITU_FACES_CELLS)
+      --without.cell_offsets.count;
+    EXPECT_EQ(r.commit(without, INSITU_OK), "accepted");
+  }
   std::vector<std::int32_t> backwards(r.arrays.vertices.rbegin(), r.arrays.vertices.rend());
   insitu_faces f = r.by_owner;
   f.vertices = FaceArrays<>::array(backwards);

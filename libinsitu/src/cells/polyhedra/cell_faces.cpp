@@ -8,6 +8,17 @@ namespace insitu::cells {
 using mesh::FacesView;
 using mesh::from_base;
 
+namespace {
+
+/// Where an item ends whose ids lie among others: where the next one starts, or, if that is not
+/// told of the last one, where all end.
+std::int64_t end_of(std::int64_t item, const mesh::IndexView& offsets, const mesh::IndexView& ids,
+                    std::int64_t base) {
+  return item + 1 < offsets.count ? from_base(offsets.load(item + 1), base) : ids.count;
+}
+
+} // namespace
+
 bool find_ring(const FacesView& faces, std::int64_t face, FaceRing& out) {
   const bool inner = face < faces.faces.count;
   const mesh::RingsView& rings = inner ? faces.faces : faces.boundary;
@@ -17,7 +28,7 @@ bool find_ring(const FacesView& faces, std::int64_t face, FaceRing& out) {
     return out.ids.data != nullptr;
   }
   const std::int64_t begin = from_base(rings.offsets.load(f), faces.index_base);
-  const std::int64_t end = from_base(rings.offsets.load(f + 1), faces.index_base);
+  const std::int64_t end = end_of(f, rings.offsets, rings.ids, faces.index_base);
   out = {rings.ids, begin, end - begin};
   return begin >= 0 && begin <= end && end <= rings.ids.count;
 }
@@ -96,7 +107,7 @@ void CellFaces::take_lists(const FacesView& faces, const mesh::PieceView& own,
     const std::string cell = name + ", cell " + std::to_string(c) + ": ";
     const bool exists = own.exists(c);
     const std::int64_t begin = from_base(faces.cell_offsets.load(c), base);
-    const std::int64_t end = from_base(faces.cell_offsets.load(c + 1), base);
+    const std::int64_t end = end_of(c, faces.cell_offsets, faces.cell_faces, base);
     if (begin < 0 || begin > end || end > faces.cell_faces.count) {
       if (exists)
         findings.add(findings.shape_errors,

@@ -80,6 +80,12 @@ private:
     return view;
   }
 
+  /// Where so many items start, and, or not, where the last one ends.
+  IndexView places(const insitu_array& given, const char* what, std::int64_t items,
+                   const std::string& of) {
+    return ids(given, what, given.count == items ? items : items + 1, of);
+  }
+
   RingsView rings(std::int64_t given, const char* count_name, const insitu_array& vertices,
                   const char* vertices_name, const insitu_array& offsets,
                   const char* offsets_name) {
@@ -95,7 +101,8 @@ private:
     if (out.behind && out.ids.count != out.count)
       refuse(std::string(vertices_name) + ": " + std::to_string(out.ids.count) + " pointers, " +
              std::to_string(out.count) + " expected of " + faces);
-    out.offsets = ids(offsets, offsets_name, out.count + (out.behind ? 0 : 1), faces);
+    out.offsets = out.behind ? ids(offsets, offsets_name, out.count, faces)
+                             : places(offsets, offsets_name, out.count, faces);
     return out;
   }
 
@@ -135,8 +142,8 @@ private:
     if (view_.cell_count == 0)
       return;
     view_.cell_faces = ids(given_.cell_faces, "cell faces");
-    view_.cell_offsets = ids(given_.cell_offsets, "cell offsets", view_.cell_count + 1,
-                             std::to_string(view_.cell_count) + " cells");
+    view_.cell_offsets = places(given_.cell_offsets, "cell offsets", view_.cell_count,
+                                std::to_string(view_.cell_count) + " cells");
   }
 
   const insitu_faces& given_;

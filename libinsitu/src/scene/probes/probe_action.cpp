@@ -111,10 +111,44 @@ void ProbeAction::execute(commit::CommittedMesh& mesh, const Step& step, bool du
   s.points_outside += std::count_if(answers.cells.begin(), answers.cells.end(),
                                     [](const OwnCell& own) { return own.flat < 0; });
   s.query_s += timer.seconds();
+  if (keeps_answers_)
+    share(answers, step);
   world.agree_after([&] {
     if (world.is_root())
       write(mesh, step, answers, names);
   });
+}
+
+void ProbeAction::keep_answers(bool keep) {
+  keeps_answers_ = keep;
+  if (!keep)
+    answers_.reset();
+}
+
+/// The root, which has the answers of all, tells all processes. Collective.
+void ProbeAction::share(const ProbeAnswers& answers, const Step& step) {
+  parallel::World& world = environment_.world;
+  KeptAnswers now;
+  world.agree_after([&] {
+    now.cycle = step.cycle;
+    now.time = step.time;
+    now.columns = answers.columns;
+    for (const std::string& column : now.columns)
+      now.column_names.push_back(column.c_str());
+    now.points = points_->mesh_points;
+    now.inside.resize(now.points.size());
+    now.values.resize(now.points.size() * now.columns.size());
+    if (!world.is_root())
+      return;
+    now.values = answers.values;
+    for (std::size_t i = 0; i < now.points.size(); ++i)
+      now.inside[i] = answers.found(i);
+  });
+  if (moves()) // the root alone knows where all of them are
+    world.broadcast(std::as_writable_bytes(std::span(now.points)));
+  world.broadcast(std::as_writable_bytes(std::span(now.inside)));
+  world.broadcast(std::as_writable_bytes(std::span(now.values)));
+  answers_ = std::move(now);
 }
 
 void ProbeAction::write(const commit::CommittedMesh& mesh, const Step& step,

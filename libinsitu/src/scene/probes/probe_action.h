@@ -14,6 +14,17 @@
 
 namespace insitu::scene {
 
+/// What a probe answered when it was due last, for those who act on it: the same on all processes.
+struct KeptAnswers {
+  std::int64_t cycle = 0;
+  double time = 0.0;
+  std::vector<std::string> columns;
+  std::vector<const char*> column_names; ///< of these, for C
+  std::vector<math::Vec3d> points;       ///< in the mesh's coordinates
+  std::vector<std::uint8_t> inside;      ///< [point] whether a cell answered
+  std::vector<double> values;            ///< [point][column], NaN where no cell answered
+};
+
 /// Samples fields at points whenever due, of all processes: the root writes what all of them answer
 /// (ProbeTables). Where the scene names no fields, those that the mesh has when the probe is due
 /// first are sampled.
@@ -36,10 +47,16 @@ public:
     attached_.take_up_cells(cells);
   }
 
+  /// From the next execute on all processes keep what the probe answers, or none does any more.
+  void keep_answers(bool keep);
+  /// Returns what the probe answered last; an empty optional means that nothing is kept (yet).
+  const std::optional<KeptAnswers>& answers() const { return answers_; }
+
 private:
   bool moves() const { return probe_.attached == Attached::body; }
   void resolve(const commit::CommittedMesh& mesh);
   bool name_fields(const commit::CommittedMesh& mesh);
+  void share(const ProbeAnswers& answers, const Step& step);
   void write(const commit::CommittedMesh& mesh, const Step& step, const ProbeAnswers& answers,
              const CellNames& names);
 
@@ -51,6 +68,8 @@ private:
   bool followed_ = false;     ///< to that step, by them
   AttachedPoints::Kept kept_; ///< at the root, while a checkpoint is written
   ProbeTables tables_;
+  bool keeps_answers_ = false;
+  std::optional<KeptAnswers> answers_;
 };
 
 } // namespace insitu::scene

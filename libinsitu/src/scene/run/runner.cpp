@@ -37,8 +37,11 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
     page_ = std::make_unique<PageRecord>(scene, environment_.output, context, statistics);
     environment_.page = page_.get();
   }
-  for (const Probe& p : scene.probes)
-    actions_.push_back(std::make_unique<ProbeAction>(p, environment_));
+  for (const Probe& p : scene.probes) {
+    auto probe = std::make_unique<ProbeAction>(p, environment_);
+    probes_.push_back(probe.get());
+    actions_.push_back(std::move(probe));
+  }
   for (const Tracer& t : scene.tracers)
     actions_.push_back(make_tracer_action(t, environment_));
   for (const Frame& f : scene.frames)
@@ -46,6 +49,11 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
 }
 
 Runner::~Runner() = default;
+
+void Runner::keep_answers(bool keep) {
+  for (ProbeAction* probe : probes_)
+    probe->keep_answers(keep);
+}
 
 bool Runner::is_due(const Action& action, const commit::CommittedMesh& mesh,
                     const Step& step) const {

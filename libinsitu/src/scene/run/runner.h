@@ -17,6 +17,8 @@
 
 namespace insitu::scene {
 
+class ProbeAction;
+
 /// Executes a scene, cycle by cycle. Holds the tracers' particles and the open tables. execute(),
 /// write_checkpoint() and restart() are collective over the processes of the World.
 class Runner {
@@ -46,6 +48,11 @@ public:
   void keep_structures_of(std::vector<std::uint64_t> meshes) {
     structures_.keep_also(std::move(meshes));
   }
+
+  /// From the next execute on all processes keep what probes answer, or none does any more.
+  void keep_answers(bool keep);
+  /// The scene's probes, in its order.
+  const std::vector<ProbeAction*>& probes() const { return probes_; }
 
   /// What its items need of the meshes, which are committed, and what they do without.
   Plan plan(MeshList meshes) const;
@@ -136,6 +143,7 @@ private:
   LocatorOptions locator_;
   double seam_tolerance_;
   std::vector<std::unique_ptr<Action>> actions_;
+  std::vector<ProbeAction*> probes_; ///< of the actions
   std::map<std::string, std::set<std::string>>
       reported_; ///< failures logged, by action, so that a log is not flooded
   std::set<std::string> left_out_; ///< actions that were named as going on with live steps

@@ -34,7 +34,7 @@
 !! - Cells, vertices and pieces count from 1; 0 is "outside". Cells are in VTK's point order.
 module insitu
   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_int, c_int32_t, c_int64_t, c_loc, &
-      c_null_ptr, c_ptr, c_sizeof
+      c_f_pointer, c_int8_t, c_null_ptr, c_ptr, c_sizeof
   use, intrinsic :: iso_fortran_env, only: int32, int64, int8, real64
   use insitu_arrays, only: view_of_bytes
   use insitu_c
@@ -146,6 +146,8 @@ module insitu
     procedure :: show_int64
     generic :: show => show_int32, show_int64
     procedure :: show_live
+    procedure :: keep_answers
+    procedure :: answers => session_answers
     procedure :: write_summary
     procedure :: message
   end type insitu_session

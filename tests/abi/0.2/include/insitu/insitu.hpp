@@ -174,6 +174,22 @@ public:
   /** Shows the live step again. */
   void show_live() { show(INSITU_LIVE); }
 
+  /** From the next execute on all processes keep what the scene's probes answer, or none does any
+   *  more; see insitu_session_keep_answers(). */
+  void keep_answers(bool keep = true) {
+    detail::check(insitu_session_keep_answers(session_, keep ? 1 : 0));
+  }
+  /** Returns what each probe of the scene answered last, in the scene's order; see
+   *  insitu_session_answers(). The pointers are valid until the next execute. */
+  std::vector<ProbeAnswers> answers() const {
+    std::int32_t count = 0;
+    detail::check(insitu_session_answers(session_, 0, nullptr, &count));
+    std::vector<ProbeAnswers> all(static_cast<std::size_t>(count), insitu_probe_answers_default());
+    for (std::int32_t i = 0; i < count; ++i)
+      detail::check(insitu_session_answers(session_, i, &all[static_cast<std::size_t>(i)], &count));
+    return all;
+  }
+
   /** Returns totals since the session was opened. */
   Report report() const {
     Report r = insitu_report_default();

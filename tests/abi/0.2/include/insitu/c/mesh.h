@@ -103,8 +103,8 @@ typedef struct insitu_faces {
   insitu_array vertices; /**< the ids of the faces' vertices, face after face; if indirect,
                               [face_count] */
   insitu_array offsets;  /**< [face_count + 1]: the places in vertices where the ids of faces start,
-                              and the end of the last face's; where vertices is indirect,
-                              [face_count]: how many ids each face has */
+                              and the end of the last face's, or without that, which is the end of
+                              vertices; where vertices is indirect: how many ids each face has */
   insitu_array owner;    /**< for OWNERS: [face_count], one or two components */
   insitu_array neighbour;         /**< for OWNERS: at most [face_count]; no items if owner has two
                                        components */
@@ -117,7 +117,7 @@ typedef struct insitu_faces {
                                        processes, and are no cells here */
   insitu_array cell_faces;        /**< for CELLS: ids of faces, cell after cell */
   insitu_array cell_offsets;      /**< for CELLS: [cell_count + 1]: the places in cell_faces where
-                                       the faces of cells start, and the end of the last cell's */
+                                       faces of cells start, and the last one's end, or without */
 } insitu_faces;
 
 static inline insitu_faces insitu_faces_default(void) {

@@ -98,8 +98,8 @@ INSITU_API insitu_status insitu_session_mesh(insitu_session session, const char*
  *  must not decrease, nor increase for tracers of `direction: backward`; at a cycle where it does,
  *  the tracer fails and its particles wait where they are. The library logs an action that fails,
  *  skips it and runs all other actions; the status is then INSITU_ERROR_ACTION, and the message
- *  names the action. INSITU_ERROR_MESH, INSITU_ERROR_FIELD: a mesh was refused, and nothing is
- *  executed. */
+ *  names the action; a call with the same cycle and time after that does what failed alone.
+ *  INSITU_ERROR_MESH, INSITU_ERROR_FIELD: a mesh was refused, and nothing is executed. */
 INSITU_API insitu_status insitu_session_execute(insitu_session session, int64_t cycle, double time);
 
 /** Writes the state of the scene's tracers and attached probes after the last execute to a file,
