@@ -35,6 +35,7 @@
 #include "insitu/c/commit.h"
 #include "insitu/c/locator.h"
 #include "insitu/c/mesh.h"
+#include "insitu/c/probe.h"
 #include "insitu/c/query.h"
 #include "insitu/c/report.h"
 #include "insitu/c/session.h"

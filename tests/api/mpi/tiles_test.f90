@@ -87,9 +87,9 @@ contains
     character(len=*), parameter :: too_early = 'together/view_000001.png'
     integer :: r, n, unit
 
-    if (rank == 0 .and. exists(too_early)) then          ! of a run before
-      open (newunit=unit, file=too_early)
-      close (unit, status='delete')
+    if (rank == 0) then                                  ! as it may be there of a run before
+      open (newunit=unit, file=too_early, status='old', iostat=n)
+      if (n == 0) close (unit, status='delete')
     end if
     call make_tiles(rank, chunks_of(processes), made)
     call couple(made, MPI_COMM_WORLD, 'together')

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -94,6 +95,7 @@ private:
     int holder = -1;
     bool goes = false; ///< to the holder
     bool is_near = false;
+    double clear = std::numeric_limits<double>::infinity(); ///< of all that were asked
     query::Location found = {};
     std::optional<math::Vec3d> nearest = {};
 

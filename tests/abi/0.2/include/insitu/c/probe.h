@@ -1,5 +1,5 @@
 /** @file probe.h
- *  What the probes of a session's scene answered. insitu.hpp includes it, insitu.h does not. */
+ *  What the probes of a session's scene answered. */
 #ifndef INSITU_C_PROBE_H
 #define INSITU_C_PROBE_H
 
