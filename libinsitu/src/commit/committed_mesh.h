@@ -325,6 +325,7 @@ private:
   bool fit_may_wait(const core::Threads& threads) const;
   cells::Validation validate_cells(const core::Threads& threads);
   void describe(insitu_commit_report& report) const;
+  void tell_overlap(const core::Log& log) const;
   StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
                                  const core::Log& log);
   bool update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
@@ -364,6 +365,7 @@ private:
   bool on_device_ = false; ///< asked for with every point, so kept
   bool folds_are_known_ = false;
   cells::OddCells odd_cells_;  ///< if so
+  std::string overlap_;        ///< of two pieces, when odd cells were last set, as a warning
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
   std::int64_t rebuilds_seen_ = 0; ///< of those that were put off
