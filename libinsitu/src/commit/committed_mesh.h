@@ -254,7 +254,7 @@ public:
   void release_aside() { aside_.reset(); }
   /// Shows the coordinates that were kept (mesh::Mesh::show_earlier), and hides them. How far
   /// vertices moved is found when the tree is asked.
-  void show_earlier(const core::Threads& threads);
+  bool show_earlier(const core::Threads& threads, bool even_if_still = false);
   void hide_earlier();
   /// The bytes of the cells' copy.
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
