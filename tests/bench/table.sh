@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes the tables of measured figures (libinsitu/doc/measured): libinsitu beside VTK's locators, each row one run, adaptive meshes, and
 # what effects of frames cost.
-#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--rathke|--scaling|--sections|--ratios]
+#   bash tests/bench/table.sh [cells] [--measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--rathke|--scaling|--sections|--polyhedra|--ratios]
 #     [--write]
 # cells: 1000000, about twenty minutes; the large rows take eight times as many. A part alone: --measured, the tables beside
 # VTK's locators; --scale, 1e4 to 3e7 cells, three minutes and 8 GiB, and libinsitu/doc/scale.svg; --amr, adaptive
@@ -9,7 +9,7 @@
 # --effects, five minutes; --accuracy, what accuracy costs, a minute (small meshes; its page goes to out/accuracy);
 # --frames, frames by ray marching, three minutes, beside VTK's and, by a binary that was built with it, Open VKL's;
 # --advect, particles, beside VTK's in hexahedra, two minutes; --openvkl, points beside Open VKL, two minutes, by such a
-# binary; --sedov, what the main job ends with, a minute; --rathke, table 1 of Rathke 2015, three minutes; --scaling, several processes, five minutes; --sections, structured blocks, a minute; --ratios, nothing is measured: five ratios of the pages, for the README.
+# binary; --sedov, what the main job ends with, a minute; --rathke, table 1 of Rathke 2015, three minutes; --scaling, several processes, five minutes; --sections, structured blocks, a minute; --polyhedra, cells given by faces beside VTK, a minute with 200000 cells; --ratios, nothing is measured: five ratios of the pages, for the README.
 # --write: puts each part into its page, between the marks of its name, <!-- scale --> and so on, instead of printing it; the
 # ratios into the README.
 # INSITU_BENCH: another binary. REPETITIONS: of --scaling, 3 without it, and --sections, 7.
@@ -20,7 +20,7 @@ cells=1000000 write= parts="measured scale amr amr_octrees amr_sizes frames effe
 for argument; do
   case $argument in
     --write|--readme) write=1 ;;
-    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--rathke|--scaling|--sections|--ratios) parts=${argument#--} ;;
+    --measured|--scale|--amr|--amr_octrees|--amr_sizes|--effects|--accuracy|--frames|--advect|--openvkl|--sedov|--rathke|--scaling|--sections|--polyhedra|--ratios) parts=${argument#--} ;;
     *[!0-9]* | '') sed -n '2,16s/^# //p' "$0" >&2; exit 2 ;;
     *) cells=$argument ;;
   esac
@@ -215,6 +215,21 @@ sections() {
   echo '```'
   "$bench" sections $options 2> /dev/null
   echo '```'
+}
+
+polyhedra() {
+  echo "Measured $(date -u +%Y-%m-%d) on $(nproc) cores, $(awk -F': ' '/model name/ {print $2; exit}' /proc/cpuinfo);" \
+    "one thread; medians of 3; about $cells cells, jitter 0.2, as many points, of which 5000 for VTK;" \
+    "the machine's load before: $(cut -d' ' -f1 /proc/loadavg). Columns as in [points, beside VTK](measured.md), beside $static."
+  echo
+  echo "| mesh, queries | libinsitu | VTK | ratio | exact | lost, wrong (VTK, of 5000) | error (VTK) | build ms | refit ms | bytes a cell (VTK) |"
+  echo "|---|---|---|---|---|---|---|---|---|---|"
+  local queries
+  for queries in uniform random; do
+    row "hexahedra by shape, $queries" $static --queries $queries --peer-points 5000
+    row "the same by faces, $queries" $static --shape hexfaces --queries $queries --peer-points 5000
+    row "truncated octahedra, $queries" $static --shape poly --queries $queries --peer-points 5000
+  done
 }
 
 scaling() {

@@ -242,6 +242,12 @@ void Particles::kill() {
       ending = INSITU_END_KILLED;
 }
 
+void Particles::leave_cells_of_ended() {
+  for (std::size_t i = 0; i < size(); ++i)
+    if (endings[i] != INSITU_END_ALIVE)
+      cells[i] = -1;
+}
+
 void Particles::drop_ended() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < size(); ++i) {

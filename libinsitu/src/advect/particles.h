@@ -85,6 +85,8 @@ public:
   /// Forgets the particles that have ended. Particles that are alive keep their order, and counts
   /// stay.
   void drop_ended();
+  /// The mesh's cells are others by now, and particles that have ended are in none of them.
+  void leave_cells_of_ended();
 
   std::size_t size() const { return ids.size(); }
   std::int64_t seeded() const { return seeded_; }

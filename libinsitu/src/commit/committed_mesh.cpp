@@ -209,9 +209,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
   const StandIn::Found found =
       commit_stand_in(topology ? std::uint32_t(INSITU_CHANGED_ALL) : pending, threads, log);
   topology = topology || found.other_cells;
-  if (topology)
-    pending |= INSITU_CHANGED_TOPOLOGY; // for the locators
   if (topology) {
+    pending |= INSITU_CHANGED_TOPOLOGY; // for the locators
     policy_.topology_changed();
     report.validated = 1;
     if (is_made())
@@ -221,6 +220,8 @@ void CommittedMesh::commit_on_host(std::uint32_t pending, insitu_commit_report& 
              log);
   }
   const bool other_tree = update_tree(topology, pending, report, threads);
+  if (topology)
+    tell_overlap(log);
   tree_is_stale_ = false;
   update_locators(pending, threads);
   if (other_tree)

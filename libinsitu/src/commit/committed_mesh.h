@@ -250,7 +250,7 @@ public:
   void release_aside() { aside_.reset(); }
   /// Shows the coordinates that were kept (mesh::Mesh::show_earlier), and hides them. How far
   /// vertices moved is found when the tree is asked.
-  void show_earlier(const core::Threads& threads);
+  bool show_earlier(const core::Threads& threads, bool even_if_still = false);
   void hide_earlier();
   /// The bytes of the cells' copy.
   std::int64_t earlier_cells_bytes(const core::Threads& threads) const;
@@ -322,6 +322,7 @@ private:
   bool fit_may_wait(const core::Threads& threads) const;
   cells::Validation validate_cells(const core::Threads& threads);
   void describe(insitu_commit_report& report) const;
+  void tell_overlap(const core::Log& log) const;
   StandIn::Found commit_stand_in(std::uint32_t changed, const core::Threads& threads,
                                  const core::Log& log);
   bool update_tree(bool topology, std::uint32_t& pending, insitu_commit_report& report,
@@ -361,6 +362,7 @@ private:
   bool on_device_ = false; ///< asked for with every point, so kept
   bool folds_are_known_ = false;
   cells::OddCells odd_cells_;  ///< if so
+  std::string overlap_;        ///< of two pieces, when odd cells were last set, as a warning
   bool tree_is_stale_ = false; ///< the mesh was in device memory meanwhile
   int commits_since_build_ = 0;
   std::int64_t rebuilds_seen_ = 0; ///< of those that were put off

@@ -1,5 +1,6 @@
 /// What a committed mesh finds out about its cells for those who ask much: folds, overlaps,
 /// neighbours.
+#include <string>
 #include <utility>
 
 #include "commit/checks/overlaps.h"
@@ -15,6 +16,24 @@ namespace {
 /// been as fast. Finding took 0.1 to 0.34 us a tetrahedron, 0.28 a wedge and 0.55 a hexahedron, and
 /// saved 0.15 to 0.5, 0.3 and 0.7 us a point on the same busy machine.
 constexpr double neighbours_price = 1.0;
+
+/// As the solver counts cells.
+std::string sentence_on(const PiecesApart::Overlap& overlap, const mesh::Mesh& mesh,
+                        const StandIn* stand_in) {
+  const mesh::MeshView& own = mesh.own_view();
+  std::string pieces, cells;
+  for (const std::int64_t at : {overlap.cell, overlap.other}) {
+    const std::int64_t flat = stand_in ? stand_in->place(at).own : at;
+    const std::int32_t piece = own.piece_of(flat);
+    const std::string number = std::to_string(piece);
+    pieces += (pieces.empty() ? "" : " and ") + number;
+    cells += (cells.empty() ? "cell " : " and cell ") +
+             std::to_string(flat - own.first_cell[piece]) + " of piece " + number;
+  }
+  return "mesh '" + mesh.name() + "': pieces " + pieces + " overlap: " + cells +
+         " share volume, the first such cells that were found; a point in cells of several pieces "
+         "belongs to the lowest piece";
+}
 
 } // namespace
 
@@ -58,8 +77,13 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   const mesh::MeshView& view = mesh_.view();
   // With a halo there was one a step before, so that the next one comes before this matters.
   const bool halo_follows = fit_.lacks_tree() && halo_ && !in_halo_commit_;
-  if (!mesh::is_one(view) && !tells_one_mesh() && odd.few && !halo_follows && !tree().empty())
-    mesh_.set_one_mesh(pieces_are_apart(view, tree(), threads));
+  overlap_.clear();
+  if (!mesh::is_one(view) && !tells_one_mesh() && odd.few && !halo_follows && !tree().empty()) {
+    const PiecesApart found = look_at_pieces(view, tree(), threads);
+    mesh_.set_one_mesh(found.apart);
+    if (found.overlap)
+      overlap_ = sentence_on(*found.overlap, mesh_, stand_in_.get());
+  }
   if (!mesh::is_one(view))
     odd = {};
   odd_cells_ = std::move(odd);
@@ -67,6 +91,12 @@ void CommittedMesh::set_odd_cells(cells::OddCells odd, const core::Threads& thre
   if (!odd_cells_.ids.empty())
     fit_.complete(); // which may be a build
   tree_.mark_odd(mesh_.view(), odd_cells_.ids, threads);
+}
+
+/// The mesh of a copy has told it, and so have a process's own cells before their halo.
+void CommittedMesh::tell_overlap(const core::Log& log) const {
+  if (!copied_ && !in_halo_commit_ && !overlap_.empty())
+    log.warning(overlap_);
 }
 
 /// Worth its time only to candidates: they may then answer alone in `exact`.

@@ -34,10 +34,12 @@ void CommittedMesh::release_earlier() {
   kept_ = {};
 }
 
-void CommittedMesh::show_earlier(const core::Threads& threads) {
+bool CommittedMesh::show_earlier(const core::Threads& threads, bool even_if_still) {
   displacement_.forget();
-  if (mesh_.show_earlier(threads))
+  const bool shows = mesh_.show_earlier(threads, even_if_still);
+  if (shows)
     displacement_.put_off(threads.count());
+  return shows;
 }
 
 void CommittedMesh::hide_earlier() {
@@ -119,7 +121,7 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
 
 mesh::CellsCopy CommittedMesh::copy_earlier_cells(const core::Threads& threads) const {
   mesh::CellsCopy cells(*memory_);
-  const bool by_ids = !stand_in_ && mesh_.has_global_ids(INSITU_CELL);
+  const bool by_ids = (!stand_in_ || lends_parts()) && mesh_.has_global_ids(INSITU_CELL);
   if (!is_made() && (kept_.with_cells || by_ids))
     cells.copy(mesh::own_part(mesh_.view()), threads);
   return cells;

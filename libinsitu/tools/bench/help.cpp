@@ -28,7 +28,8 @@ Times libinsitu on the standard workload, checks its answers and holds them agai
   methods  every locator method on every backend that is here: Morrical 2020, tables 1 to 3
 
 The mesh (commit, locate, scale, effects, render, advect)
-  --shape hex|tet|wedge|pyramid|mixed|poly   cells of the unit box [hex; methods: tet, hex, wedge, mixed]; poly: locate, commit
+  --shape hex|tet|wedge|pyramid|mixed|poly|hexfaces   cells of the unit box [hex; methods: tet, hex, wedge, mixed];
+                    locate, commit: also truncated octahedra, and hexahedra that are given by their faces
   --kind even|graded|layers|sparse [even]
                     equal steps | edge lengths that grow 1e4-fold along each axis |
                     cells 1e4 to 1e6 times as wide as thick | 24 balls, about 5 % of the box

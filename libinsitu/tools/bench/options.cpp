@@ -89,7 +89,8 @@ std::optional<insitu_accuracy> accuracy_from_name(std::string_view name) {
 }
 
 void set_shape(Options& o, const Argument& a) {
-  o.kind = a.choice(workload::kind_from_name(a.text), "hex, tet, wedge, pyramid, mixed or poly");
+  o.kind = a.choice(workload::kind_from_name(a.text),
+                    "hex, tet, wedge, pyramid, mixed, poly or hexfaces");
   o.kind_given = true;
 }
 void add_backend(Options& o, const Argument& a) {

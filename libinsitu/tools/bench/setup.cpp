@@ -16,8 +16,9 @@ Setup::Setup(const Options& o) : context(o.threads, core::Log()) {
     throw UsageError("--mesh " + o.mesh_file + ": the file has no cells");
   if (mesh.has_faces() && (o.pattern >= workload::Pattern::march || o.shuffled ||
                            o.spacing != workload::Spacing::even || o.fields > 1))
-    throw UsageError("--shape poly: uniform, random or sorted points, evenly spaced cells in their "
-                     "own order, one field");
+    throw UsageError(
+        "--shape poly and hexfaces: uniform, random or sorted points, evenly spaced cells in their "
+        "own order, one field");
   if (o.shuffled)
     mesh = workload::renumbered(mesh);
   field = workload::vertex_field(mesh);
@@ -25,7 +26,7 @@ Setup::Setup(const Options& o) : context(o.threads, core::Log()) {
 
 insitu_cells cells_of(const workload::Mesh& mesh) {
   if (mesh.has_faces())
-    throw UsageError("--shape poly is for locate and commit");
+    throw UsageError("--shape poly and hexfaces are for locate and commit");
   insitu_cells cells = insitu_cells_default();
   cells.count = mesh.cell_count();
   const auto ids = std::int64_t(mesh.connectivity.size());

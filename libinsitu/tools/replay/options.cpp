@@ -15,8 +15,9 @@ Runs a scene over mesh files as if they were the steps of a running simulation: 
 tracers and frames, in the same files.
 
 FILE is a file that VTK reads, its suffix in small or capital letters:
-  .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids), .vts, .vtr, .vti; .pvtu, .pvts, .pvtr,
-  .pvti of such; legacy .vtk; .vtm (multi-block): its blocks are the pieces of the mesh
+  .vtu (tetrahedra, voxels, hexahedra, wedges, pyramids, polyhedra), .vts, .vtr, .vti; .pvtu,
+  .pvts, .pvtr, .pvti of such; legacy .vtk; .vtm (multi-block): its blocks are the pieces of the
+  mesh
   .vthb or .vth (vtkOverlappingAMR), .htg (vtkHyperTreeGrid of three dimensions and branch factor
   2): adaptive meshes with cell arrays, one file a step
   .pvd or .series (ParaView's JSON): an index of any of these, in the order of time; the parts of a

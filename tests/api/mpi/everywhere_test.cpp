@@ -1,5 +1,6 @@
 /// Queries of the cells of all processes: mpiexec -n 1, 3, 4. Slabs of one uniform grid along x,
 /// the last process without any; points on seams, inside and outside.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <insitu/insitu.hpp>
@@ -116,6 +117,51 @@ TEST(Everywhere, SeamsHaveOneOwner) {
       EXPECT_TRUE(std::isnan(f(i)));
     else // a linear field; sums of eight terms below 8
       EXPECT_NEAR(f(i), field_at(all[3 * i], all[3 * i + 1], all[3 * i + 2]), 1e-14) << i;
+}
+
+/// Points outside, asked by the first process alone: the nearest cell of any process, its distance
+/// and its nearest point, which are known in closed form, and the value there. A point beyond
+/// greatest_distance has no answer, one inside has distance 0.
+TEST(Everywhere, NearestCells) {
+  const Solver solver;
+  const double low[3] = {coordinate(0, 0), coordinate(1, 0), coordinate(2, 0)},
+               high[3] = {coordinate(0, nx), coordinate(1, ny), coordinate(2, nz)};
+  std::vector<double> asked;
+  const bool asks = rank() == 0;
+  for (std::int64_t i = 0; asks && i < nx; ++i) { // beside middles of sides, beyond an edge, inside
+    const double x = coordinate(0, i) + 0.05;
+    asked.insert(asked.end(), {x, low[1] - 0.25, low[2] + 0.35});
+    asked.insert(asked.end(), {x, high[1] + 0.3, high[2] + 0.4});
+    asked.insert(asked.end(), {x, low[1] + 0.1, low[2] + 0.2});
+    asked.insert(asked.end(), {x, low[1] + 0.1, high[2] + 2.0});
+  }
+  insitu::LocateOptions options;
+  options.everywhere = options.nearest = true;
+  options.greatest_distance = 1.0;
+  const insitu::Locations at = solver.mesh->locate(insitu::Points(asked), options);
+  const insitu::Samples f = solver.mesh->sample("f", insitu::Points(asked), options);
+  ASSERT_EQ(at.distances.size(), asked.size() / 3);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const auto column = std::int64_t(i / 4);
+    const bool is_far = i % 4 == 3;
+    double place[3], squared = 0.0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      place[a] = std::clamp(asked[3 * i + a], low[a], high[a]);
+      squared += (asked[3 * i + a] - place[a]) * (asked[3 * i + a] - place[a]);
+    }
+    const std::int64_t j = i % 4 == 1 ? ny - 1 : 0, k = i % 4 == 1 ? nz - 1 : 0;
+    EXPECT_EQ(at.found[i], i % 4 == 2) << i;
+    EXPECT_EQ(at.global_cells[i], is_far ? -1 : column + nx * (j + ny * k)) << i;
+    EXPECT_EQ(at.ranks[i], is_far ? -1 : process_of(column)) << i;
+    EXPECT_EQ(std::isnan(at.distances[i]), is_far) << i;
+    EXPECT_EQ(std::isnan(f(i)), is_far) << i;
+    if (is_far)
+      continue;
+    EXPECT_NEAR(at.distances[i], std::sqrt(squared), 1e-14) << i; // of coordinates up to 9
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(at.nearest[3 * i + a], place[a], 1e-14) << i;
+    EXPECT_NEAR(f(i), field_at(place[0], place[1], place[2]), 1e-13) << i;
+  }
 }
 
 TEST(Everywhere, LocalQueriesStayLocal) {

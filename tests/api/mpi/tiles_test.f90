@@ -1,6 +1,7 @@
 !> Tiles with halos on several processes: mpiexec -n 3. Answers are held against the fields' closed forms:
 !! a cell's density is its own, the velocity is linear.
 program tiles_test
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, real64
   use insitu
   use mpi_f08
@@ -229,7 +230,8 @@ contains
     real(real64), intent(in) :: time
     real(real64) :: at(3, all_cells), vertices(3, all_vertices), density(all_cells)
     real(real64) :: velocity(3, all_vertices), right(all_cells)
-    integer(int64) :: found_cells(all_cells), found_vertices(all_vertices)
+    real(real64) :: distances(all_cells), apart(2, all_vertices)
+    integer(int64) :: found_cells(all_cells), found_vertices(all_vertices), nearest(2, all_vertices)
     integer :: ranks(all_cells), owners(all_cells), ranks_there(all_vertices), firsts(all_vertices)
     integer :: i, j, k, n, v, ierr
 
@@ -260,6 +262,20 @@ contains
     do v = 1, size(vertices, 2)
       call expect('velocity at a vertex', all(abs(velocity(:, v) - velocity_at(vertices(:, v))) < 1.0e-13_real64))
     end do
+    ! Below the box: the cells of the lowest layer by their distance, and too far away none.
+    n = cells(1) * cells(2)
+    at(3, :n) = -0.125_real64
+    at(3, 1) = -2.0_real64
+    call mesh%locate(at(:, :n), found_cells(:n), ierr, everywhere=.true., ranks=ranks(:n), &
+                     distances=distances(:n), greatest_distance=1.0_real64)
+    call expect('the nearest cells ' // insitu_status_name(ierr), ierr == insitu_ok)
+    call expect('their processes', all(ranks(2:n) == owners(2:n)) .and. ranks(1) == -1)
+    call expect('their distances', all(abs(distances(2:n) - 0.125_real64) < 1.0e-13_real64))
+    call expect('no distance to what is too far away', ieee_is_nan(distances(1)))
+    call mesh%nearest_vertices(vertices, nearest, ierr, everywhere=.true., distances=apart)
+    call expect('the nearest vertices ' // insitu_status_name(ierr), ierr == insitu_ok)
+    call expect('at no distance', all(abs(apart(1, :)) < 1.0e-13_real64))
+    call expect('in order', all(apart(2, :) >= apart(1, :) .and. apart(2, :) < 1.0_real64))
   end subroutine check_everywhere
 
   subroutine expect(what, holds)

@@ -200,3 +200,60 @@ TEST_F(Containers, VectorsOfHyperTreesOfVersionTwo) {
 }
 
 } // namespace
+
+/// Polyhedra of VTK (type 42), all cells or every second one, in files of one part and of several:
+/// the table of the same cells by their shapes, but for the last digits of values.
+TEST_F(Containers, Polyhedra) {
+  put("scene.yaml",
+      "insitu: 1\nprobes:\n  - {name: g, points: {box: {min: [0.1, 0.2, 0.3], max: [1.9, 1.8, "
+      "1.7], "
+      "counts: [5, 4, 3]}}, fields: [linear, number]}\ntracers:\n  - {name: t, velocity: velocity, "
+      "seeds: [[0.5, 1.5, 0.2], [1.1, 0.7, 0.3]]}\n");
+  write("shapes.vtu", unstructured(2, {VTK_HEXAHEDRON}, 0.1));
+  write("all.vtu", as_polyhedra({VTK_HEXAHEDRON}, 1));
+  write("some.vtu", as_polyhedra({VTK_HEXAHEDRON}, 2));
+  const auto table = [&](const std::string& file, const std::string& name) {
+    const Outcome o = run("--scene scene.yaml --out out_" + file + " " + file + " " + file);
+    EXPECT_EQ(o.code, 0) << o.err;
+    EXPECT_EQ(o.err, "");
+    return rows("out_" + file + "/" + name + ".csv");
+  };
+  for (const std::string name : {"g", "t"}) {
+    const std::vector<Row> expected = table("shapes.vtu", name);
+    ASSERT_GT(expected.size(), 3u);
+    for (const char* file : {"all.vtu", "some.vtu"}) {
+      const std::vector<Row> found = table(file, name);
+      ASSERT_EQ(found.size(), expected.size()) << file;
+      for (std::size_t row = 0; row < found.size(); ++row)
+        for (const auto& [column, value] : expected[row]) {
+          if (column == "r" || column == "s" ||
+              column == "t") // places in a cell, from another vertex
+            continue;
+          const double is = found[row].at(column);
+          EXPECT_TRUE(std::abs(is - value) < 1e-12 || (std::isnan(is) && std::isnan(value)))
+              << file << ", " << column << ": " << is << " for " << value;
+        }
+    }
+  }
+  // Beside them the same, of which VTK makes one part.
+  const auto beside = as_polyhedra({VTK_HEXAHEDRON}, 2);
+  for (vtkIdType v = 0; v < beside->GetNumberOfPoints(); ++v) {
+    double x[3];
+    beside->GetPoint(v, x);
+    beside->GetPoints()->SetPoint(v, x[0] + 2, x[1], x[2]);
+  }
+  write("beside.vtu", beside);
+  put("two.pvtu", "<VTKFile type=\"PUnstructuredGrid\" version=\"0.1\"><PUnstructuredGrid "
+                  "GhostLevel=\"0\"><PPointData><PDataArray type=\"Float64\" Name=\"linear\"/>"
+                  "</PPointData><PPoints><PDataArray type=\"Float64\" NumberOfComponents=\"3\"/>"
+                  "</PPoints><Piece Source=\"all.vtu\"/><Piece Source=\"beside.vtu\"/>"
+                  "</PUnstructuredGrid></VTKFile>");
+  put("points.csv", "x,y,z\n0.4,0.3,0.2\n2.4,0.3,0.2\n3.5,1.5,1.5\n");
+  const Outcome o = run("--probe points.csv --out out_two two.pvtu");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const std::vector<Row> two = rows("out_two/probe.csv");
+  ASSERT_EQ(two.size(), 3u);
+  for (std::size_t row = 0; row < 3; ++row)
+    EXPECT_NEAR(two[row].at("linear"),
+                linear(row < 2 ? Point{0.4, 0.3, 0.2} : Point{1.5, 1.5, 1.5}), 1e-12);
+}

@@ -1,6 +1,9 @@
 // Hexahedra that are cut at planes, by their faces, show and tell what the same cube does whole.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
+#include <map>
 #include <numbers>
 
 #include "coupled.h"
@@ -140,4 +143,122 @@ TEST(PolyhedralRuns, TracersOfAVortexComeBackInTheDualOfPolyDualMesh) {
     EXPECT_NEAR(y, seed[1], 1e-9);
   }
   EXPECT_EQ(back, 3);
+}
+
+namespace {
+
+const char* const methods[] = {"euler", "rk4", "bs32", "dopri5"};
+
+/// A tracer of each method, with steps that end at faces and that do not.
+std::string tracers_of_all_methods() {
+  std::string text = "insitu: 1\npage: false\ntracers:\n";
+  for (const std::string method : methods)
+    for (const bool face_aware : {false, true}) {
+      const bool is_fixed = method == "euler" || method == "rk4";
+      text += "  - {name: " + method + (face_aware ? "_faces" : "") +
+              ", velocity: u, seeds: {box: {min: [0.3, 0.4, 0.5], max: [3.6, 3.5, 3.3], counts: "
+              "[4, 4, 3]}}, fields: [f], integrator: {method: " +
+              method + ", face_aware: " + (face_aware ? "true" : "false") +
+              (is_fixed           ? ", step: 0.04"
+               : method == "bs32" ? ", tolerance: 1e-6"
+                                  : ", tolerance: 1e-9") +
+              "}}\n";
+    }
+  return text;
+}
+
+/// The tables of a run of some cycles. give: the cells of the mesh.
+std::map<std::string, runs::Table> tables_of(const std::vector<double>& points,
+                                             const std::vector<double>& velocity,
+                                             const std::vector<double>& field,
+                                             const std::function<void(insitu::Mesh&)>& give) {
+  const test::Folder folder;
+  insitu::Options options;
+  options.scene_text = tracers_of_all_methods();
+  options.output = folder.path();
+  insitu::Session session(options);
+  insitu::Mesh mesh = session.mesh("m");
+  mesh.points(insitu::Array(points).components(3));
+  give(mesh);
+  mesh.vertex_field("u", insitu::Array(velocity).components(3));
+  mesh.vertex_field("f", insitu::Array(field));
+  for (int cycle = 0; cycle < 3; ++cycle)
+    EXPECT_TRUE(session.execute(cycle, 0.4 * cycle)) << insitu_last_message();
+  session.close();
+  std::map<std::string, runs::Table> tables;
+  for (const std::string method : methods)
+    for (const std::string end : {"", "_faces"})
+      tables[method + end] = runs::parse_table(test::content(folder / (method + end + ".csv")));
+  return tables;
+}
+
+/// A velocity that is linear nowhere, and a field.
+void put_flow(const insitu::test::Vec3d& x, std::vector<double>& velocity,
+              std::vector<double>& field) {
+  velocity.insert(velocity.end(), {2 - x.y + 0.3 * std::sin(2 * x.x), x.x - 2 + 0.2 * x.z * x.z,
+                                   0.4 * std::cos(x.x + x.y)});
+  field.push_back(std::sin(x.x) * x.y + 0.1 * x.z * x.z);
+}
+
+/// The same rows; cells by cell_of.
+void expect_same_tables(const std::map<std::string, runs::Table>& is,
+                        const std::map<std::string, runs::Table>& expected,
+                        const std::function<double(double)>& cell_of) {
+  for (const auto& [name, want] : expected) {
+    const runs::Table& table = is.at(name);
+    ASSERT_EQ(table.rows.size(), want.rows.size()) << name;
+    EXPECT_GT(table.rows.size(), 80u);
+    double most = 0;
+    for (std::size_t row = 0; row < want.rows.size(); ++row) {
+      for (const char* const column : {"cycle", "particle", "ending"})
+        ASSERT_EQ(table.text(row, column), want.text(row, column)) << name << ", row " << row;
+      for (const char* const column : {"time", "x", "y", "z", "f"}) {
+        const double a = table.number(row, column), b = want.number(row, column);
+        ASSERT_EQ(std::isnan(a), std::isnan(b));
+        if (!std::isnan(a))
+          most = std::max(most, std::abs(a - b));
+      }
+      EXPECT_EQ(table.number(row, "cell"), cell_of(want.number(row, "cell")))
+          << name << ", row " << row;
+    }
+    // Places add up some hundred roundings. Where an error over faces within a step is estimated
+    // from roundings that differ, other steps are taken, and both keep the tolerance.
+    EXPECT_LE(most, name == "bs32" ? 1e-6 : name == "dopri5" ? 1e-9 : 1e-12) << name;
+  }
+}
+
+} // namespace
+
+/// By every method, with steps that end at faces and that do not.
+TEST(PolyhedralRuns, TracersGoAsInTheSameCellsByShapes) {
+  const insitu::test::TestMesh box = insitu::test::make_mesh(
+      {.kind = insitu::test::MeshKind::mixed, .size = 4, .jitter = 0.15}, 3);
+  const insitu::fixtures::SolverArrays shapes(box);
+  const insitu::fixtures::FaceArrays<> faces(insitu::fixtures::faces_of(box));
+  std::vector<double> u, f;
+  for (const auto& x : box.vertices)
+    put_flow(x, u, f);
+  expect_same_tables(
+      tables_of(faces.points, u, f, [&](insitu::Mesh& mesh) { mesh.faces(faces.by_owner()); }),
+      tables_of(
+          shapes.points, u, f,
+          [&](insitu::Mesh& mesh) { mesh.mixed_cells(shapes.types, shapes.offsets, shapes.ids); }),
+      [](double cell) { return cell; });
+}
+
+TEST(PolyhedralRuns, TracersGoAsInTheCellsThatOctahedraAreCutInto) {
+  const insitu::fixtures::FaceMesh mesh = insitu::fixtures::octahedra(2, 0.1);
+  const insitu::fixtures::Subdivided parts(mesh);
+  const insitu::fixtures::SolverArrays shapes(parts.mesh);
+  const insitu::fixtures::FaceArrays<> faces(mesh);
+  std::vector<double> u, f;
+  for (const auto& x : mesh.vertices)
+    put_flow(x, u, f);
+  const std::vector<double> u_made = parts.with_made(u, 3), f_made = parts.with_made(f);
+  expect_same_tables(
+      tables_of(faces.points, u, f, [&](insitu::Mesh& to) { to.faces(faces.by_owner()); }),
+      tables_of(
+          shapes.points, u_made, f_made,
+          [&](insitu::Mesh& to) { to.mixed_cells(shapes.types, shapes.offsets, shapes.ids); }),
+      [&](double part) { return part < 0 ? part : double(parts.cell[std::size_t(part)]); });
 }

@@ -6,6 +6,7 @@
 #include <vector>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
+#include <vtkIdList.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -186,6 +187,34 @@ inline std::vector<double> query_points(vtkDataSet* data, int count) {
     out.insert(out.end(), x, x + 3);
   }
   return out;
+}
+
+/// The mesh of 2^3 boxes with every second cell, or all, as a polyhedron.
+inline vtkSmartPointer<vtkUnstructuredGrid> as_polyhedra(const std::vector<int>& types, int step) {
+  const auto from = unstructured(2, types, 0.1);
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  grid->SetPoints(from->GetPoints());
+  for (vtkIdType c = 0; c < from->GetNumberOfCells(); ++c) {
+    vtkCell* cell = from->GetCell(c);
+    if (c % step != 0) {
+      grid->InsertNextCell(cell->GetCellType(), cell->GetPointIds());
+      continue;
+    }
+    vtkNew<vtkIdList> faces;
+    faces->InsertNextId(cell->GetNumberOfFaces());
+    for (int f = 0; f < cell->GetNumberOfFaces(); ++f) {
+      vtkIdList* ids = cell->GetFace(f)->GetPointIds();
+      faces->InsertNextId(ids->GetNumberOfIds());
+      // A voxel's faces are pixels, whose points run by rows.
+      const bool pixel = cell->GetFace(f)->GetCellType() == VTK_PIXEL;
+      for (const int k : pixel ? std::vector<int>{0, 1, 3, 2} : std::vector<int>{0, 1, 2, 3})
+        if (k < ids->GetNumberOfIds())
+          faces->InsertNextId(ids->GetId(k));
+    }
+    grid->InsertNextCell(VTK_POLYHEDRON, faces);
+  }
+  add_fields(grid);
+  return grid;
 }
 
 } // namespace vtk_meshes

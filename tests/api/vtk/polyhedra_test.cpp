@@ -17,34 +17,6 @@ using namespace vtk_meshes;
 
 namespace {
 
-/// The mesh with every second cell, or all, as a polyhedron, and two hexahedra joined to one cell.
-vtkSmartPointer<vtkUnstructuredGrid> as_polyhedra(const std::vector<int>& types, int step) {
-  const auto from = unstructured(2, types, 0.1);
-  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  grid->SetPoints(from->GetPoints());
-  for (vtkIdType c = 0; c < from->GetNumberOfCells(); ++c) {
-    vtkCell* cell = from->GetCell(c);
-    if (c % step != 0) {
-      grid->InsertNextCell(cell->GetCellType(), cell->GetPointIds());
-      continue;
-    }
-    vtkNew<vtkIdList> faces;
-    faces->InsertNextId(cell->GetNumberOfFaces());
-    for (int f = 0; f < cell->GetNumberOfFaces(); ++f) {
-      vtkIdList* ids = cell->GetFace(f)->GetPointIds();
-      faces->InsertNextId(ids->GetNumberOfIds());
-      // A voxel's faces are pixels, whose points run by rows.
-      const bool pixel = cell->GetFace(f)->GetCellType() == VTK_PIXEL;
-      for (const int k : pixel ? std::vector<int>{0, 1, 3, 2} : std::vector<int>{0, 1, 2, 3})
-        if (k < ids->GetNumberOfIds())
-          faces->InsertNextId(ids->GetId(k));
-    }
-    grid->InsertNextCell(VTK_POLYHEDRON, faces);
-  }
-  add_fields(grid);
-  return grid;
-}
-
 std::vector<double> some_points() {
   std::vector<double> points;
   Random random(7);

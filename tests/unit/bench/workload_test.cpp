@@ -69,6 +69,34 @@ TEST(Workload, InteriorFacesAreSharedByExactlyTwoCells) {
     }
 }
 
+TEST(Workload, CellsByFacesAreTheCells) {
+  for (const Kind kind : all_kinds) {
+    const Mesh cells = make_box(kind, 8, 0.2), faces = by_faces(cells);
+    ASSERT_EQ(faces.cell_count(), cells.cell_count()) << name(kind);
+    EXPECT_EQ(faces.points, cells.points);
+    std::vector<int> sides(faces.face_offsets.size() - 1, 0);
+    for (std::int64_t c = 0; c < cells.cell_count(); ++c) {
+      std::set<std::int32_t> of_faces;
+      for (std::int64_t k = faces.cell_offsets[std::size_t(c)];
+           k < faces.cell_offsets[std::size_t(c) + 1]; ++k) {
+        const auto f = std::size_t(faces.cell_faces[std::size_t(k)]);
+        ++sides[f];
+        of_faces.insert(faces.face_vertices.begin() + faces.face_offsets[f],
+                        faces.face_vertices.begin() + faces.face_offsets[f + 1]);
+      }
+      const std::int32_t* const ids = cells.ids(c);
+      EXPECT_EQ(of_faces, std::set<std::int32_t>(ids, ids + mesh::vertex_count(cells.shape(c))));
+    }
+    for (std::size_t f = 0; f < sides.size(); ++f) { // on the box's sides one, else two
+      const std::vector<std::int32_t> face(faces.face_vertices.begin() + faces.face_offsets[f],
+                                           faces.face_vertices.begin() + faces.face_offsets[f + 1]);
+      ASSERT_EQ(sides[f], on_box(faces, face) ? 1 : 2) << name(kind);
+    }
+  }
+  EXPECT_EQ(make_box(kind_from_name("hexfaces").value(), 4, 0.2).cell_faces,
+            by_faces(make_box(Kind::hexahedra, 4, 0.2)).cell_faces);
+}
+
 TEST(Workload, VolumesArePositiveAndFillTheBox) {
   for (const Kind kind : all_kinds)
     for (const double jitter : {0.0, 0.15}) {

@@ -59,6 +59,69 @@ TEST(Everywhere, AnswersAsOneProcessDoes) {
   }
 }
 
+/// Cells, distances, nearest places and values there are those of one process to the bit; of cells
+/// at one distance, which processes may share, the lowest id. Cells too far away do not answer.
+TEST(Everywhere, NearestCellsAreThoseOfOneProcess) {
+  const std::vector<std::string> fields{"vertex", "cell"};
+  struct Near {
+    std::int64_t cell = -1;
+    double squared = 0.0;
+    Vec3d place;
+    std::vector<double> values;
+    bool operator==(const Near&) const = default;
+  };
+  for (const std::uint64_t seed : {0, 3, 5}) {
+    const test::TestMesh whole = mesh_of(seed, seed == 0 ? 0.0 : 0.2);
+    std::vector<Vec3d> points; // outside, beside vertices, edges and faces of the boundary
+    for (int i = 0; i < 300; ++i) {
+      Vec3d p;
+      for (int a = 0; a < 3; ++a)
+        p[a] =
+            0.5 * std::floor(16.0 * core::random_unit(5, std::uint64_t(i), std::uint64_t(a))) - 2;
+      if (std::min({p.x, p.y, p.z}) < 0 || std::max({p.x, p.y, p.z}) > 4)
+        points.push_back(p);
+    }
+    ASSERT_GT(points.size(), 200u);
+    const auto ask = [&](const fixtures::Partition& partition, parallel::World& world,
+                         std::span<const Vec3d> asked) {
+      const Process p(whole, partition, world);
+      std::vector<Near> all(asked.size());
+      commit::Everywhere(p.mesh, world)
+          .nearest(asked, fields, 1.6, p.threads,
+                   [&](std::size_t first, std::span<const commit::OwnerOfAll> owners,
+                       std::span<const commit::NearnessOfAll> near,
+                       std::span<const double> values) {
+                     for (std::size_t k = 0; k < owners.size(); ++k)
+                       if (owners[k]) {
+                         EXPECT_FALSE(owners[k].holds());
+                         all[first + k] = {owners[k].cell.global,
+                                           near[k].squared,
+                                           near[k].place,
+                                           {values.begin() + std::ptrdiff_t(3 * k),
+                                            values.begin() + std::ptrdiff_t(3 * k + 3)}};
+                       }
+                   });
+      return all;
+    };
+    std::vector<Near> truth;
+    test::run_processes(
+        1, [&](parallel::World& world) { truth = ask(fixtures::slabs(whole, 1), world, points); });
+    EXPECT_GT(std::ranges::count(truth, -1, &Near::cell), 20);
+    EXPECT_LT(std::ranges::count(truth, -1, &Near::cell), 150);
+    for (const int processes : {2, 4})
+      for (const fixtures::Partition& partition : fixtures::partitions(whole, processes))
+        test::run_processes(processes, [&](parallel::World& world) {
+          const bool asks = world.rank() == world.size() - 1; // the others answer alone
+          const std::vector<Near> found = ask(
+              partition, world, asks ? std::span<const Vec3d>(points) : std::span<const Vec3d>());
+          for (std::size_t i = 0; i < found.size(); ++i)
+            EXPECT_EQ(found[i], truth[i])
+                << partition.name << " on " << processes << ", point " << i << ": cell "
+                << found[i].cell << " for " << truth[i].cell;
+        });
+  }
+}
+
 /// Of the vertices that processes share each counts once, with global ids.
 TEST(Everywhere, NearestVerticesAreThoseOfOneProcess) {
   const test::TestMesh whole = mesh_of(3);

@@ -228,3 +228,24 @@ TEST(Polyhedra, GhostsOwnNothingAndMayHoldAnything) {
   EXPECT_EQ(m.owner({0, 0, 0}), 0);
   EXPECT_EQ(m.mesh.validate(m.threads).counts.ghost_cells, 1);
 }
+
+/// A commit names the solver's cells of two pieces that overlap; not those of pieces that meet.
+TEST(Polyhedra, PiecesThatOverlapAreNamed) {
+  FaceMesh other = fixtures::octahedra(2);
+  for (const double by : {0.0, 8.0}) {
+    CommittedFaces m(fixtures::octahedra(2));
+    for (Vec3d& x : other.vertices)
+      x.x += by;
+    const fixtures::FaceArrays<> arrays(other);
+    const insitu_array points = arrays.point_array();
+    const insitu_faces faces = arrays.by_cell();
+    m.mesh.mesh().set_points(1, &points, 1);
+    m.mesh.mesh().set_faces(1, &faces);
+    m.commit();
+    const std::string told = m.warnings.empty() ? "" : m.warnings[0];
+    EXPECT_EQ(told.substr(0, told.find(" share")),
+              by == 0.0
+                  ? "mesh 'test': pieces 0 and 1 overlap: cell 0 of piece 0 and cell 0 of piece 1"
+                  : "");
+  }
+}

@@ -22,11 +22,15 @@ void give(CommittedFaces& m, const std::string& name, insitu_association of,
   m.mesh.mesh().set_field(0, name, of, &array, 1);
 }
 
-std::vector<double> at_vertices(const CommittedFaces& m) {
+double bent(const Vec3d& x) {
+  return std::sin(1.3 * x.x) * x.y + 0.2 * x.z * x.z - std::exp(0.3 * x.y);
+}
+
+std::vector<double> at_vertices(const CommittedFaces& m, double (*field)(const Vec3d&) = linear) {
   std::vector<double> values;
   const auto& x = m.arrays_of_faces.points;
   for (std::size_t i = 0; i < x.size(); i += 3)
-    values.push_back(linear({x[i], x[i + 1], x[i + 2]}));
+    values.push_back(field({x[i], x[i + 1], x[i + 2]}));
   return values;
 }
 
@@ -61,6 +65,67 @@ TEST(PolyhedralFields, LinearOnesAreMet) {
     m.commit();
     expect_linear(m, 21);
   }
+}
+
+/// Cells that have a shape have its values, of any data: they are that shape, from another vertex
+/// on. Places in a cell are told to some 1e-15 of it, and the field goes up and down by about 10 in
+/// one; hence 1e-13.
+TEST(PolyhedralFields, AnyDataAreThoseOfTheSameCellsByShapes) {
+  for (const auto kind : test::all_kinds) {
+    const test::TestMesh shapes = test::box(kind, 4, 0.2);
+    fixtures::Committed want(shapes);
+    CommittedFaces m(fixtures::faces_of(shapes));
+    const std::vector<double> values = at_vertices(m, bent);
+    const insitu_array array =
+        insitu_array_of(values.data(), INSITU_FLOAT64, std::int64_t(values.size()), 1);
+    want.mesh.mesh().set_field(0, "f", INSITU_VERTEX, &array, 1);
+    give(m, "f", INSITU_VERTEX, values);
+    m.commit();
+    want.commit();
+    for (const Vec3d& p : test::inner_points(want.mesh.mesh().view(), 500, 41)) {
+      double is = 0.0, expected = 1.0;
+      m.sampler().interpolate(m.mesh.mesh().field("f"), m.sampler().locate(p), &is);
+      want.sampler().interpolate(want.mesh.mesh().field("f"), want.sampler().locate(p), &expected);
+      ASSERT_NEAR(is, expected, 1e-13) << test::kind_name(kind) << " " << test::text(p);
+    }
+  }
+}
+
+/// Other cells have the values of what they are cut into: by barycentric coordinates over a face of
+/// more than four vertices, and over a quad by those of a pyramid; made vertices have means.
+TEST(PolyhedralFields, AnyDataAreInterpolatedInTheParts) {
+  const FaceMesh mesh = fixtures::octahedra(3, 0.15);
+  const fixtures::Subdivided parts(mesh);
+  CommittedFaces m(mesh);
+  const std::vector<double> values = at_vertices(m, bent);
+  give(m, "f", INSITU_VERTEX, values);
+  m.commit();
+  const std::vector<double> at = parts.with_made(values);
+  Random random(42);
+  int pyramids = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto part = std::size_t(random.below(int(parts.mesh.cells.size())));
+    const test::MeshCell& cell = parts.mesh.cells[part];
+    const bool is_pyramid = cell.shape == test::Shape::pyramid;
+    const double r = random.uniform(0.02, 0.98), s = random.uniform(0.02, 0.98),
+                 t = random.uniform(0.02, 0.95);
+    // A tetrahedron is a pyramid of which two corners are one.
+    const double w[5] = {(1 - r) * (1 - s) * (1 - t), r * (1 - s) * (1 - t), r * s * (1 - t),
+                         (1 - r) * s * (1 - t), t};
+    Vec3d p;
+    double expected = 0.0, is = 0.0;
+    for (std::size_t v = 0; v < 5; ++v) {
+      const auto id = std::size_t(cell.vertices[is_pyramid ? v : std::array{0, 1, 2, 2, 3}[v]]);
+      p += w[v] * parts.mesh.vertices[id];
+      expected += w[v] * at[id];
+    }
+    const query::Location found = m.sampler().locate(p);
+    ASSERT_EQ(m.mesh.own(found, p).cell, parts.cell[part]) << test::text(p);
+    m.sampler().interpolate(m.mesh.mesh().field("f"), found, &is);
+    ASSERT_NEAR(is, expected, 1e-12) << test::text(p); // values up to 20 in places up to 10
+    pyramids += is_pyramid;
+  }
+  EXPECT_GT(pyramids, 100);
 }
 
 TEST(PolyhedralFields, OfFloatsAndVectors) {

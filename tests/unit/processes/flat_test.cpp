@@ -3,8 +3,8 @@
 #include <map>
 #include <optional>
 
+#include "flat_part.h"
 #include "part_session.h"
-#include "unit/flat/flat_meshes.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -12,68 +12,6 @@ using flat_meshes::Flat;
 using flat_meshes::Kind;
 
 namespace {
-
-/// The cells of a mesh that a process has, in their order, with vertices in another order.
-struct FlatPart {
-  std::vector<std::int64_t> cells, vertices; ///< of the whole
-  std::vector<double> xy, p, u, c;
-  std::vector<std::int32_t> ids; ///< padded
-
-  FlatPart(const Flat& whole, const std::vector<int>& process, int rank) {
-    std::map<int, int> local;
-    for (std::size_t cell = 0; cell < whole.cells.size(); ++cell)
-      if (process[cell] == rank)
-        cells.push_back(std::int64_t(cell));
-    for (auto cell = cells.rbegin(); cell != cells.rend(); ++cell) // numbers as they come
-      for (const int v : whole.cells[std::size_t(*cell)])
-        if (local.emplace(v, int(vertices.size())).second)
-          vertices.push_back(v);
-    for (const std::int64_t v : vertices)
-      xy.insert(xy.end(), {whole.x[std::size_t(v)], whole.y[std::size_t(v)]});
-    for (const std::int64_t cell : cells) {
-      const std::vector<int>& ring = whole.cells[std::size_t(cell)];
-      for (std::size_t v = 0; v < 4; ++v)
-        ids.push_back(v < ring.size() ? local.at(ring[v]) : -1);
-    }
-  }
-  void give(mesh::Mesh& to) {
-    const auto array = [](const auto& values, insitu_type type, int components) {
-      return insitu_array_of(values.data(), type, std::int64_t(values.size()) / components,
-                             components);
-    };
-    const insitu_array points = array(xy, INSITU_FLOAT64, 2);
-    to.set_points(0, &points, 1);
-    insitu_cells given = insitu_cells_default();
-    given.layout = INSITU_LAYOUT_PADDED;
-    given.shape = INSITU_QUAD;
-    given.count = std::int64_t(cells.size());
-    given.connectivity = array(ids, INSITU_INT32, 4);
-    to.set_cells(0, &given);
-    insitu_array numbers = array(cells, INSITU_INT64, 1);
-    to.set_global_ids(0, INSITU_CELL, &numbers);
-    numbers = array(vertices, INSITU_INT64, 1);
-    to.set_global_ids(0, INSITU_VERTEX, &numbers);
-  }
-  void give_fields(mesh::Mesh& to, double t, double middle) {
-    p.clear(), u.clear(), c.clear();
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-      const double x = xy[2 * v] - middle, y = xy[2 * v + 1] - middle;
-      p.push_back(std::sin(x + t) + x * y);
-      u.insert(u.end(), {-y, x});
-    }
-    for (const std::int64_t cell : cells)
-      c.push_back(std::cos(0.1 * double(cell) + t));
-    const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
-                          int components) {
-      const insitu_array array = insitu_array_of(
-          values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
-      to.set_field(0, name, of, &array, 1);
-    };
-    give("p", INSITU_VERTEX, p, 1);
-    give("u", INSITU_VERTEX, u, 2);
-    give("c", INSITU_CELL, c, 1);
-  }
-};
 
 const char* const scene = R"(insitu: 1
 page: false
@@ -89,7 +27,7 @@ frames:
   - {name: surfaces, size: [24, 24], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], normals: smooth, color: {field: c}}], boundary: {color: {field: u, component: 0}}}
 )";
 
-constexpr int n = 5;
+constexpr int n = 5; // squares along each axis
 
 /// moves: the vertices, at each step.
 std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>& process,
@@ -103,11 +41,8 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
       if (!part.cells.empty())
         part.give(mesh.mesh());
       for (int cycle = 0; cycle < 2; ++cycle) {
-        if (cycle > 0 && moves) {
-          for (std::size_t v = 0; v < part.xy.size(); v += 2)
-            part.xy[v] += 0.03 * std::sin(part.xy[v] + part.xy[v + 1]);
-          mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
-        }
+        if (cycle > 0 && moves)
+          part.move(mesh.mesh());
         if (!part.cells.empty())
           part.give_fields(mesh.mesh(), 0.37 * cycle, 0.5 * n);
         EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
@@ -115,15 +50,6 @@ std::map<std::string, std::string> run(const Flat& whole, const std::vector<int>
     });
   });
   return files_of(out);
-}
-
-std::vector<int> slabs_of(const Flat& whole, int processes) {
-  std::vector<int> process;
-  for (const auto& ring : whole.cells) {
-    const double x = whole.x[std::size_t(ring[0])];
-    process.push_back(std::min(processes - 1, std::max(0, int(processes * x / n))));
-  }
-  return process;
 }
 
 /// A run whose cells become others at a cycle; stopped before it on some processes, it goes on on
@@ -145,7 +71,7 @@ std::map<std::string, std::string> run_over_cells(int first, int second) {
         for (int cycle = from; cycle < to; ++cycle) {
           if (cycle == from || cycle == 2) {
             const Flat& whole = cycle < 2 ? triangles : quads;
-            part.emplace(whole, slabs_of(whole, processes), world.rank());
+            part.emplace(whole, flat_slabs(whole, processes), world.rank());
             part->give(mesh);
           }
           part->give_fields(mesh, 0.37 * cycle, 0.5 * n);
@@ -166,7 +92,7 @@ std::map<std::string, std::string> run_over_cells(int first, int second) {
 
 void expect_files_of_one(Kind kind, bool moves, const std::vector<int>& numbers) {
   const Flat whole = flat_meshes::flat_mesh(n, kind, true);
-  const auto slabs = [&](int processes) { return slabs_of(whole, processes); };
+  const auto slabs = [&](int processes) { return flat_slabs(whole, processes); };
   const auto expected = run(whole, slabs(1), 1, moves);
   EXPECT_GE(expected.size(), 12u);
   for (const int processes : numbers)

@@ -4,6 +4,7 @@
 
 #include "fixtures/earth_meshes.h"
 #include "shown_again.h"
+#include "solvers.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -40,7 +41,7 @@ void move(PartSession& process, const TestMesh& whole, int cycle) {
 }
 
 /// Values at points that any process has, of the step that is live or shown.
-std::vector<double> everywhere(api::Session& session) {
+std::vector<double> everywhere(api::Session& session, const char* field = "p") {
   std::vector<double> points, values(40);
   std::vector<std::int64_t> cells(40);
   for (int i = 0; i < 40; ++i)
@@ -51,7 +52,6 @@ std::vector<double> everywhere(api::Session& session) {
   args.locate.points = &at;
   args.locate.scope = INSITU_SCOPE_EVERYWHERE;
   args.locate.global_cells = cells.data();
-  const char* const field = "p";
   double* const to = values.data();
   args.fields = &field;
   args.values = &to;
@@ -108,6 +108,47 @@ TEST(ProcessHeld, StepsAreThoseOfOneProcessAndOfTheLiveOnes) {
         expected = files;
       expect_same(expected, files, partition.name);
       EXPECT_EQ(expect_shown_as_live(files), 9);
+    }
+  }
+}
+
+/// Cells given by faces that move, flat cells, blocks of all kinds and an adaptive mesh.
+TEST(ProcessHeld, OfAllKindsOfMeshes) {
+  for (const SolverKind& kind : solver_kinds()) {
+    std::map<std::string, std::string> expected;
+    std::vector<std::vector<double>> answers; // of one process
+    for (const int processes : {1, 4}) {
+      const std::string which = kind.name + " on " + std::to_string(processes);
+      const OwnFolder folder;
+      const std::string out = folder / "out";
+      run_processes(processes, [&](parallel::World& world) {
+        SolverSession process(world, "insitu: 1\npage: false\nhold: {steps: 3}\n" + kind.actions,
+                              out);
+        process.take(kind.make(processes, world.rank()));
+        const auto values = [&] { return everywhere(process.session(), kind.scalar.c_str()); };
+        std::vector<std::vector<double>> live;
+        for (int cycle = 0; cycle < cycles; ++cycle) {
+          EXPECT_EQ(process.execute(cycle), "");
+          live.push_back(values());
+        }
+        process.step(9);
+        show_again(process.session(), {2, 1, 3, 1});
+        for (const int cycle : {3, 1}) {
+          process.session().show(cycle);
+          EXPECT_EQ(values(), live[std::size_t(cycle)]) << which << ", " << cycle;
+        }
+        EXPECT_EQ(process.session().finish(), "");
+        if (!world.is_root())
+          return;
+        if (answers.empty())
+          answers = live;
+        EXPECT_EQ(answers, live) << which;
+      });
+      const auto files = files_of(out);
+      if (expected.empty())
+        expected = files;
+      expect_same(expected, files, which);
+      EXPECT_EQ(expect_shown_as_live(files), 9) << which;
     }
   }
 }

@@ -14,7 +14,7 @@ constexpr int cycles = 5, change = 3;
 const std::string scene =
     "insitu: 1\npage: false\ntracers:\n"
     "  - {name: paths, velocity: u, seeds: {box: {min: [0.5, 0.5, 0.5], max: [5.5, 4.5, 4.5], "
-    "counts: [5, 4, 3]}}, fields: [p, c], output: [csv]}\n"
+    "counts: [5, 4, 3]}}, fields: [p, c], output: [csv, vtp]}\n"
     "  - {name: streaks, velocity: u, kind: streakline, seeds: {points: [[1, 1, 1], [3.1, 2.2, "
     "2.7]]}, until: {duration: 0.6}, times: {interval: 0.11}, fields: [p], output: [csv]}\n"
     "  - {name: sliding, velocity: u, seeds: {box: {min: [1, 1, 1], max: [4, 4, 4], counts: [3, 2, "
@@ -78,6 +78,8 @@ std::map<std::string, std::string> places_of(const std::map<std::string, std::st
     return cells;
   };
   for (const auto& [name, text] : files) {
+    if (!name.ends_with(".csv"))
+      continue;
     std::istringstream in(text);
     std::string line;
     std::getline(in, line);

@@ -1,87 +1,13 @@
 // Meshes whose cells are given by faces, over processes: the files of one process, to the byte.
-#include <cmath>
+#include <algorithm>
 #include <map>
 
-#include "fixtures/polyhedra.h"
-#include "part_session.h"
+#include "solvers.h"
 
 using namespace insitu;
 using namespace insitu::test;
-using fixtures::FaceMesh;
 
 namespace {
-
-/// The cells of a mesh that a process has, in their order, with vertices in another order.
-struct FacePart {
-  std::vector<int> vertices; ///< of the whole, by local id
-  std::vector<std::int64_t> cells, global_vertices;
-  FaceMesh mesh;
-  std::vector<double> points, p, u, c;
-  fixtures::FaceArrays<> arrays;
-
-  static FaceMesh cut(const FaceMesh& whole, const std::vector<int>& process, int rank,
-                      std::vector<int>& vertices, std::vector<std::int64_t>& cells) {
-    FaceMesh out;
-    for (std::size_t cell = 0; cell < whole.cells.size(); ++cell)
-      if (process[cell] == rank)
-        cells.push_back(std::int64_t(cell));
-    std::map<int, int> local;
-    for (auto cell = cells.rbegin(); cell != cells.rend(); ++cell) // numbers as they come
-      for (const int f : whole.cells[std::size_t(*cell)])
-        for (const int v : whole.faces[std::size_t(f)])
-          if (local.emplace(v, int(vertices.size())).second)
-            vertices.push_back(v);
-    for (const int v : vertices)
-      out.vertices.push_back(whole.vertices[std::size_t(v)]);
-    for (const std::int64_t cell : cells) {
-      std::vector<FaceMesh::Ring> rings;
-      for (const int f : whole.cells[std::size_t(cell)]) {
-        FaceMesh::Ring ring;
-        for (const int v : whole.faces[std::size_t(f)])
-          ring.push_back(local.at(v));
-        std::ranges::rotate(ring, ring.begin() + rank % int(ring.size()));
-        rings.insert(rank % 2 ? rings.begin() : rings.end(), ring);
-      }
-      out.add_cell(rings);
-    }
-    return out;
-  }
-
-  FacePart(const FaceMesh& whole, const std::vector<int>& process, int rank)
-      : mesh(cut(whole, process, rank, vertices, cells)), arrays(mesh) {
-    global_vertices.assign(vertices.begin(), vertices.end());
-  }
-  void give(mesh::Mesh& to) {
-    const insitu_array points_array = arrays.point_array();
-    const insitu_faces faces = arrays.by_owner();
-    to.set_points(0, &points_array, 1);
-    to.set_faces(0, &faces);
-    insitu_array ids = insitu_array_of(cells.data(), INSITU_INT64, std::int64_t(cells.size()), 1);
-    to.set_global_ids(0, INSITU_CELL, &ids);
-    ids = insitu_array_of(global_vertices.data(), INSITU_INT64,
-                          std::int64_t(global_vertices.size()), 1);
-    to.set_global_ids(0, INSITU_VERTEX, &ids);
-  }
-  void give_fields(mesh::Mesh& to, double t) {
-    p.clear(), u.clear(), c.clear();
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-      const Vec3d x{arrays.points[3 * v], arrays.points[3 * v + 1], arrays.points[3 * v + 2]};
-      p.push_back(std::sin(3 * x.x + t) + x.y * x.z);
-      u.insert(u.end(), {-x.y, x.x, 0.1 * std::cos(t)});
-    }
-    for (const std::int64_t cell : cells)
-      c.push_back(std::cos(0.1 * double(cell) + t));
-    const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
-                          int components) {
-      const insitu_array array = insitu_array_of(
-          values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
-      to.set_field(0, name, of, &array, 1);
-    };
-    give("p", INSITU_VERTEX, p, 1);
-    give("u", INSITU_VERTEX, u, 3);
-    give("c", INSITU_CELL, c, 1);
-  }
-};
 
 const char* const scene = R"(insitu: 1
 page: false
@@ -95,64 +21,117 @@ frames:
   - {name: smoke, size: [40, 36], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.1], [5, 0.8]]}}
   - {name: lit, size: [36, 40], volume: {field: c, smooth: true, shading: true, opacity: [[-1, 0], [1, 0.5]]}}
   - {name: surfaces, size: [40, 40], images: [color, depth, cell], isosurfaces: [{field: p, values: [1, 3], opacity: 0.6, normals: smooth, color: {field: c}}, {field: c, values: [0.2], normals: smooth}], boundary: {color: {field: u, component: 0}, opacity: 0.2}}
+  - {name: light, size: [20, 18], images: [color, depth, cell], volume: {field: p, opacity: [[0, 0], [1, 0.3], [5, 0.8]]}, lights: [{directional: [1, 1, 2]}, {dome: true}], effects: [multiple_scattering], path_tracing: {samples: 2, accumulate: true, anisotropy: 0.4}}
+  - {name: walls, size: [14, 16], volume: {field: c, smooth: true, opacity: [[-1, 0], [1, 0.5]]}, isosurfaces: [{field: p, values: [1], opacity: 0.7}], boundary: {opacity: 0.2}, lights: [{point: [1.5, 0.4, 1.6]}, {dome: true, intensity: 0.5}], effects: [single_scattering, volume_shadows], every: 2, path_tracing: {samples: 2}}
 )";
 
+using Files = std::map<std::string, std::string>;
+
 /// moves: the vertices, at each step.
-std::map<std::string, std::string> run(const FaceMesh& whole, const std::vector<int>& process,
-                                       int processes, bool moves) {
+Files run(const FaceMesh& whole, const FaceDeal& deal, bool moves) {
   const OwnFolder folder;
   const std::string out = folder / "out";
-  run_processes(processes, [&](parallel::World& world) {
-    FacePart part(whole, process, world.rank());
-    with_session(world, scene, out, [&](api::Session& session) {
-      commit::CommittedMesh& mesh = session.mesh("m").mesh;
-      if (!part.cells.empty())
-        part.give(mesh.mesh());
-      for (int cycle = 0; cycle < 3; ++cycle) {
-        if (cycle > 0 && moves) {
-          for (double& x : part.arrays.points)
-            x += 0.02 * std::sin(x);
-          mesh.mesh().set_changed(INSITU_CHANGED_GEOMETRY);
-        }
-        if (!part.cells.empty())
-          part.give_fields(mesh.mesh(), 0.37 * cycle);
-        EXPECT_EQ(session.execute(cycle, 0.25 * cycle), "");
-      }
-    });
+  run_processes(deal.processes, [&](parallel::World& world) {
+    SolverSession process(world, scene, out);
+    process.take(std::make_unique<FaceSolver>(whole, deal, world.rank(), moves));
+    for (int cycle = 0; cycle < 3; ++cycle)
+      EXPECT_EQ(process.execute(cycle), "");
+    EXPECT_EQ(process.session().finish(), "");
   });
   return files_of(out);
 }
 
-/// In slabs along x, or by turns.
-std::vector<int> deal(const FaceMesh& mesh, int processes, bool slabs) {
-  std::vector<int> process;
-  double low = 1e300, high = -1e300;
-  for (const Vec3d& x : mesh.vertices) {
-    low = std::min(low, x.x);
-    high = std::max(high, x.x);
-  }
-  for (std::size_t cell = 0; cell < mesh.cells.size(); ++cell) {
-    const Vec3d& x = mesh.vertices[std::size_t(mesh.faces[std::size_t(mesh.cells[cell][0])][0])];
-    process.push_back(slabs ? std::min(processes - 1, int(processes * (x.x - low) / (high - low)))
-                            : int(cell % std::size_t(processes)));
-  }
-  return process;
+void expect_files_of_one(const FaceMesh& whole, bool moves, const std::vector<FaceDeal>& deals) {
+  const Files expected = run(whole, {1}, moves);
+  EXPECT_GE(expected.size(), 24u);
+  for (const FaceDeal& deal : deals)
+    expect_same(expected, run(whole, deal, moves), deal.name());
 }
 
-void expect_files_of_one(const FaceMesh& whole, bool moves) {
-  const auto expected = run(whole, deal(whole, 1, true), 1, moves);
-  EXPECT_GE(expected.size(), 15u);
-  for (const int processes : {2, 4})
-    expect_same(expected, run(whole, deal(whole, processes, processes == 2), processes, moves),
-                std::to_string(processes));
+const char* const tracers = R"(insitu: 1
+page: false
+probes:
+  - {name: marks, attached: body, points: [[1, 1, 1], [2.1, 1.3, 0.7], [9, 9, 9]], fields: [u], output: [csv]}
+tracers:
+  - {name: paths, velocity: u, seeds: {box: {min: [0.5, 0.5, 0.5], max: [2.5, 2.5, 2.5], counts: [5, 4, 3]}}, fields: [p, c], output: [csv, vtp]}
+  - {name: curved, velocity: u, time_interpolation: cubic, seeds: [[1.3, 1.2, 1.1], [0.3, 0.4, 2]]}
+  - {name: streaks, velocity: u, kind: streakline, seeds: {points: [[1.05, 1.1, 0.95], [1.1, 1.2, 0.7]]}, until: {duration: 0.6}, times: {interval: 0.11}, fields: [p], output: [csv]}
+  - {name: walkers, velocity: u, seeds: {box: {min: [1, 1, 1], max: [2, 2, 2], counts: [3, 2, 2]}}, effects: [{boundary: reflect}, {diffusion: {coefficient: 0.02}}], output: [csv]}
+  - {name: sliding, velocity: u, seeds: {box: {min: [1, 1, 1], max: [2, 2, 2], counts: [3, 2, 2]}}, effects: [{boundary: {other: slide}}, {settling: {speed: 0.3}}], output: [csv]}
+)";
+
+/// A run that stops before a cycle, on some processes, and goes on on others; 0: it does not stop.
+/// Its cells are others from the cycle `change` on.
+struct Run {
+  const std::vector<FaceMesh>& meshes;
+  bool moves;
+  int cycles = 6, change = 3;
+
+  Files files(const FaceDeal& first, const FaceDeal& second = {}, int stop = 0) const {
+    const OwnFolder folder;
+    const std::string out = folder / "out", state = folder / "state";
+    go(first, 0, stop ? stop : cycles, out, state);
+    if (stop)
+      go(second, stop, cycles, out, state);
+    return files_of(out);
+  }
+
+private:
+  void go(const FaceDeal& deal, int from, int to, const std::string& out,
+          const std::string& state) const {
+    run_processes(deal.processes, [&](parallel::World& world) {
+      SolverSession process(world, tracers, out);
+      for (int cycle = from; cycle < to; ++cycle) {
+        if (cycle == from || cycle == change) {
+          const FaceMesh& mesh = cycle < change ? meshes.front() : meshes.back();
+          process.take(std::make_unique<FaceSolver>(mesh, deal, world.rank(), moves));
+        }
+        if (cycle == from && from > 0)
+          process.session().restart(state);
+        EXPECT_EQ(process.execute(cycle), "");
+      }
+      if (to < cycles)
+        process.session().checkpoint(state);
+      EXPECT_EQ(process.session().finish(), "");
+    });
+  }
+};
+
+const FaceDeal turns{4, FaceDeal::turns}, ghosts{3, FaceDeal::slabs, true},
+    rootless{3, FaceDeal::empty_root};
+
+/// Stops before the cells become others, and at that cycle.
+void expect_whole(const std::vector<FaceMesh>& meshes, bool moves,
+                  const std::vector<std::pair<FaceDeal, FaceDeal>>& pairs) {
+  const Run run{meshes, moves};
+  const Files expected = run.files({1});
+  std::string all;
+  for (const auto& [name, text] : expected)
+    all += text;
+  EXPECT_GT(std::ranges::count(all, '\n'), 400);
+  expect_same(expected, run.files(pairs.back().first), pairs.back().first.name());
+  for (const auto& [first, second] : pairs)
+    for (const int stop : {2, 3})
+      expect_same(expected, run.files(first, second, stop),
+                  first.name() + ", then " + second.name() + " before " + std::to_string(stop));
 }
 
 } // namespace
 
 TEST(ProcessPolyhedra, FilesAreThoseOfOneProcessToTheByte) {
-  expect_files_of_one(fixtures::cut_hexahedra(3, 3), false);
+  expect_files_of_one(fixtures::cut_hexahedra(3, 3), false, {{2}, turns, ghosts});
 }
 
 TEST(ProcessPolyhedra, FilesAreThoseOfOneProcessWhereVerticesMove) {
-  expect_files_of_one(fixtures::octahedra(2, 0.1), true);
+  expect_files_of_one(fixtures::octahedra(2, 0.1), true,
+                      {{4}, rootless, {4, FaceDeal::turns, true}});
+}
+
+/// On as many processes and on others, polyhedra become other ones, and hexahedra.
+TEST(ProcessPolyhedra, GoOnFromACheckpointAndOverAChangeOfCells) {
+  expect_whole({fixtures::cut_hexahedra(3, 3), fixtures::cut_hexahedra(3, 2, 8)}, false,
+               {{{1}, {1}}, {{1}, turns}, {{2}, {2}}, {turns, ghosts}});
+  expect_whole({fixtures::octahedra(2, 0.1),
+                fixtures::faces_of(make_mesh({.kind = MeshKind::hexahedra, .size = 3}, 4))},
+               true, {{{2}, {2}}, {{4}, {1}}, {ghosts, rootless}});
 }

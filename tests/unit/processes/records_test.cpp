@@ -6,6 +6,7 @@
 
 #include "part_session.h"
 #include "records/meshes.h"
+#include "solvers.h"
 
 using namespace insitu;
 using namespace insitu::test;
@@ -14,8 +15,9 @@ namespace {
 
 constexpr int cycles = 4;
 
+const std::string begin = "insitu: 1\npage: false\nrecord: {every: 1}\n";
 const std::string recorded_scene =
-    "insitu: 1\npage: false\nrecord: {every: 1}\n"
+    begin +
     "probes:\n"
     "  - {name: gauges, points: [[1, 1, 1], [2.1, 3.3, 0.7], [2, 2, 2], [9, 9, 9]], fields: [p, "
     "c], "
@@ -37,10 +39,10 @@ Files without_records(Files files) {
 }
 
 /// What is replayed from the records in a folder.
-Files replayed(const std::string& folder, const std::string& to) {
+Files replayed(const std::string& scene, const std::string& folder, const std::string& to) {
   insitu_replay::RecordedMeshes meshes; // outlives the session, which reads its arrays
   Options options;
-  options.scene_text = recorded_scene;
+  options.scene_text = scene;
   options.output = to;
   options.threads = 1;
   Session session(options);
@@ -84,11 +86,32 @@ TEST(ProcessRecords, AreReplayedByOneProcessToTheByte) {
     if (expected.empty())
       expected = live;
     EXPECT_GT(live.size(), 8u);
-    const Files again = replayed(options.folder, folder / "again");
-    EXPECT_EQ(again.size(), live.size());
-    for (const auto& [name, bytes] : live) {
-      EXPECT_TRUE(bytes == expected[name]) << partition.name << ", live: " << name;
-      EXPECT_TRUE(again.count(name) && again.at(name) == bytes) << partition.name << ": " << name;
+    expect_same(live, replayed(recorded_scene, options.folder, folder / "again"), partition.name);
+    expect_same(expected, live, partition.name + ", live");
+  }
+}
+
+/// Cells given by faces that move, flat cells, blocks of all kinds and an adaptive mesh.
+TEST(ProcessRecords, OfAllKindsOfMeshesAreReplayedByOneProcessToTheByte) {
+  for (const SolverKind& kind : solver_kinds()) {
+    Files expected;
+    for (const int processes : {1, 4}) {
+      const OwnFolder folder;
+      const std::string out = folder / "out", scene = begin + kind.actions;
+      run_processes(processes, [&](parallel::World& world) {
+        SolverSession process(world, scene, out);
+        process.take(kind.make(processes, world.rank()));
+        for (int cycle = 0; cycle < cycles; ++cycle)
+          EXPECT_EQ(process.execute(cycle), "");
+        EXPECT_EQ(process.session().finish(), "");
+      });
+      const std::string which = kind.name + " on " + std::to_string(processes);
+      const Files live = without_records(files_of(out));
+      if (expected.empty())
+        expected = live;
+      EXPECT_GT(live.size(), 8u);
+      expect_same(expected, live, which + ", live");
+      expect_same(live, replayed(scene, out, folder / "again"), which);
     }
   }
 }

@@ -27,6 +27,27 @@ TEST(ProcessTracers, FilesOnAMeshThatMovesAreThoseOfOneProcessToTheByte) {
   expect_files_of_one(scene_of(), {2, 4, 8}, five_cycles_of_moving);
 }
 
+/// Vertices of one process move, and those of others stand, as where one part of a machine turns.
+TEST(ProcessTracers, VerticesThatMoveOnOneProcessAloneAreThoseOfOneProcessToTheByte) {
+  const Act act = [](PartSession& process, parallel::World&) {
+    const TestMesh whole = jittered_cubes();
+    for (int cycle = 0; cycle < 5; ++cycle) {
+      std::vector<Vec3d> points = whole.vertices;
+      for (Vec3d& x : points)
+        if (x.x > 3.5)
+          x += 0.03 * cycle * Vec3d{x.x - 3.5, 0.5 * x.z, std::cos(x.x)};
+      bool moves = false;
+      for (const fixtures::Part::Piece& piece : process.part().pieces())
+        for (const std::int64_t v : piece.vertices)
+          moves = moves || points[std::size_t(v)] != whole.vertices[std::size_t(v)];
+      if (cycle > 0 && moves)
+        process.part().move(process.mesh().mesh(), points);
+      EXPECT_EQ(process.execute(cycle), "");
+    }
+  };
+  expect_files_of_one(scene_of(), {2, 4}, act, "killed", true);
+}
+
 /// Material that carries particles on vertices, edges and faces of its cells, in a grid whose
 /// numbers of cells have factors in common with what is looked at to learn how cells are numbered:
 /// whether a process knows the cells beside one must not show.

@@ -244,6 +244,67 @@ TEST(PieceBorders, PiecesThatOverlapAnswerByTheLowestCell) {
   }
 }
 
+/// The one warning of a commit; "" where there is none.
+std::string warning_of(const fixtures::Committed& mesh) {
+  EXPECT_LE(mesh.warnings.size(), 1u);
+  return mesh.warnings.empty() ? "" : mesh.warnings[0];
+}
+
+/// Says which two cells share volume: cell `a` of piece 0 and cell `b` of piece 1.
+std::string overlap(const std::string& a, const std::string& b) {
+  return "mesh 'test': pieces 0 and 1 overlap: cell " + a + " of piece 0 and cell " + b +
+         " of piece 1 share volume, the first such cells that were found; a point in cells of "
+         "several pieces belongs to the lowest piece";
+}
+
+/// A commit names two pieces that overlap, and a cell of each, for any thread count; none where
+/// they touch, and where their vertices lie in each other's cells by less than a twentieth.
+TEST(PieceBorders, PiecesThatOverlapAreNamed) {
+  const TestMesh box = box_cells(4, Shape::hexahedron, 0.0);
+  TestMesh corner = box, within = box_cells(1, Shape::hexahedron, 0.0);
+  for (Vec3d& v : corner.vertices) // the last cell's corner lies in the first cell of the box
+    v = v + Vec3d{-0.9, -0.9, -0.9};
+  for (Vec3d& v : within.vertices)
+    v = 0.05 * v + Vec3d{0.51, 0.52, 0.53};
+  const auto told = [](const std::vector<TestMesh>& parts) {
+    return warning_of(Pieces(parts).committed);
+  };
+  EXPECT_EQ(told({box, box}), overlap("0", "0"));
+  EXPECT_EQ(told({box, moved(box, {0.75, 0.0, 0.0})}), overlap("3", "0"));
+  EXPECT_EQ(told({moved(box, {0.75, 0.0, 0.0}), box}), overlap("0", "3"));
+  EXPECT_EQ(told({box, corner}), overlap("0", "63"));
+  EXPECT_EQ(told({box, within}), overlap("42", "0"));
+  EXPECT_EQ(told({box, moved(box, {1.0 - 0.06 / 4, 0.1, 0.1})}), overlap("3", "0"));
+  for (const Vec3d& by : {Vec3d{1, 0, 0}, Vec3d{1, 0.1, 0.1}, Vec3d{1 - 0.04 / 4, 0.1, 0.1},
+                          Vec3d{1, 1, 1}, Vec3d{2, 0, 0}})
+    EXPECT_EQ(told({box, moved(box, by)}), "") << by.x << " " << by.y;
+  EXPECT_EQ(told(slabs(box_cells(8, Shape::tetrahedron, 0.2))), "");
+
+  for (const bool is_ghost : {false, true}) { // uniform blocks that share a layer of cells
+    fixtures::Committed blocks(is_ghost ? 1 : 3);
+    std::vector<std::uint8_t> layer;
+    for (int cell = 0; cell < 4 * 4 * 4; ++cell)
+      layer.push_back(is_ghost && cell % 4 == 0);
+    for (int p = 0; p < 2; ++p) {
+      insitu_block block = insitu_block_default();
+      block.kind = INSITU_BLOCK_UNIFORM;
+      for (int a = 0; a < 3; ++a) {
+        block.vertices[a] = 5;
+        block.origin[a] = p == 1 && a == 0 ? 0.75 : 0.0;
+        block.spacing[a] = 0.25;
+      }
+      blocks.mesh.mesh().set_block(p, &block);
+    }
+    const insitu_array bits =
+        insitu_array_of(layer.data(), INSITU_UINT8, std::int64_t(layer.size()), 1);
+    blocks.mesh.mesh().set_ghosts(1, &bits, INSITU_GHOSTS_VTK);
+    blocks.commit();
+    EXPECT_EQ(warning_of(blocks), is_ghost ? "" : overlap("3", "0"));
+    blocks.commit(INSITU_CHANGED_FIELDS);
+    EXPECT_EQ(blocks.warnings.size(), std::size_t(!is_ghost)) << "once a change of cells";
+  }
+}
+
 /// What lay apart is looked at anew when it moves.
 TEST(PieceBorders, PiecesThatMoveIntoEachOther) {
   const TestMesh box = box_cells(3, Shape::hexahedron, 0.2);

@@ -18,6 +18,15 @@ using parallel::Parcel;
 namespace {
 
 constexpr std::int64_t cells_at_a_time = 1 << 15; ///< of a process, about so many
+constexpr int part_bits = 20;                     ///< of an id, for the number of a part
+
+/// The id of a part of a polyhedron. A cell has less than 2^20 parts, as its faces have less ids.
+std::int64_t part_id(std::int64_t global, std::int32_t copy) {
+  return global << part_bits | copy;
+}
+bool leaves_room(std::int64_t global, std::int32_t copy) {
+  return global >= 0 && global < std::int64_t(1) << (63 - part_bits) && copy < 1 << part_bits;
+}
 
 /// Visits the cells of own pieces that own points: visit(piece, cell in it, flat id).
 template <class Visit>
@@ -182,34 +191,57 @@ private:
 
 } // namespace
 
-CellsByIds::CellsByIds(const CommittedMesh& mesh) {
-  for_each_owner(mesh.mesh().own_view(), [&](std::int32_t, std::int64_t, std::int64_t flat) {
-    cells_.emplace_back(mesh.mesh().global_id(INSITU_CELL, flat), flat);
+bool are_known_by_ids(const CommittedMesh& mesh) {
+  if ((mesh.stand_in() && !mesh.lends_parts()) || !mesh.mesh().has_global_ids(INSITU_CELL))
+    return false;
+  const std::int64_t count = mesh.lends_parts() ? mesh.lent_view().own_cell_count() : 0;
+  for (std::int64_t flat = 0; flat < count; ++flat) {
+    const StandIn::Place at = mesh.stand_in()->place(flat);
+    if (!leaves_room(mesh.mesh().global_id(INSITU_CELL, at.own), at.copy))
+      return false;
+  }
+  return true;
+}
+
+std::int64_t id_of_cell(const CommittedMesh& mesh, std::int64_t flat) {
+  if (!mesh.lends_parts())
+    return mesh.mesh().global_id(INSITU_CELL, flat);
+  const StandIn::Place at = mesh.stand_in()->place(flat);
+  return part_id(mesh.mesh().global_id(INSITU_CELL, at.own), at.copy);
+}
+
+CellsByIds::CellsByIds(const CommittedMesh& mesh) : of_parts_(mesh.lends_parts()) {
+  for_each_owner(mesh.lent_view(), [&](std::int32_t, std::int64_t, std::int64_t flat) {
+    cells_.emplace_back(id_of_cell(mesh, flat), flat);
   });
   std::ranges::sort(cells_);
 }
 
-std::int64_t CellsByIds::find(std::int64_t global) const {
-  const auto at = std::ranges::lower_bound(cells_, std::pair(global, std::int64_t(0)));
-  return at != cells_.end() && at->first == global ? at->second : -1;
+std::int64_t CellsByIds::find(const CellName& name) const {
+  if (name.global < 0)
+    return -1;
+  const std::int64_t id = of_parts_ ? part_id(name.global, name.copy) : name.global;
+  const auto at = std::ranges::lower_bound(cells_, std::pair(id, std::int64_t(0)));
+  return at != cells_.end() && at->first == id ? at->second : -1;
 }
 
 std::vector<std::int64_t> ids_of_cells(const CommittedMesh& mesh) {
   std::vector<std::int64_t> ids;
-  if (mesh.stand_in() || !mesh.mesh().has_global_ids(INSITU_CELL))
+  if (!are_known_by_ids(mesh))
     return ids;
-  ids.resize(std::size_t(mesh.mesh().own_view().own_cell_count()));
+  ids.resize(std::size_t(mesh.lent_view().own_cell_count()));
   for (std::size_t i = 0; i < ids.size(); ++i)
-    ids[i] = mesh.mesh().global_id(INSITU_CELL, std::int64_t(i));
+    ids[i] = id_of_cell(mesh, std::int64_t(i));
   return ids;
 }
 
 std::uint64_t sum_of_cells(const CommittedMesh& mesh, const core::Threads& threads) {
-  if (mesh.stand_in() || !mesh.mesh().has_global_ids(INSITU_CELL))
+  if (!are_known_by_ids(mesh))
     return 0;
   constexpr std::int64_t grain = 1 << 16;
-  const mesh::MeshView& view = mesh.mesh().own_view();
-  const bool of_vertices = mesh.mesh().has_global_ids(INSITU_VERTEX);
+  const mesh::MeshView& view = mesh.lent_view();
+  // Of parts some vertices are made.
+  const bool of_vertices = mesh.mesh().has_global_ids(INSITU_VERTEX) && !mesh.lends_parts();
   const std::int64_t count = view.own_cell_count();
   std::vector<std::uint64_t> sums(std::size_t((count + grain - 1) / grain), 0);
   threads.parallel_for(count, grain, [&](std::int64_t begin, std::int64_t end) {
@@ -219,8 +251,7 @@ std::uint64_t sum_of_cells(const CommittedMesh& mesh, const core::Threads& threa
       const std::int64_t c = flat - view.first_cell[p];
       if (!view.pieces[p].owns(c))
         continue;
-      std::uint64_t hash =
-          core::splitmix64(std::uint64_t(mesh.mesh().global_id(INSITU_CELL, flat)) + 1);
+      std::uint64_t hash = core::splitmix64(std::uint64_t(id_of_cell(mesh, flat)) + 1);
       hash = core::splitmix64(hash ^ std::uint64_t(view.pieces[p].shape(c)));
       const int corners = of_vertices ? view.pieces[p].vertex_ids(c, ids) : 0;
       for (int k = 0; k < corners; ++k)
@@ -271,7 +302,7 @@ mesh::EarlierStep fields_of_all(const mesh::EarlierStep* mine, parallel::World& 
 
 bool deal_by_ids(std::span<const StepPart> parts, const CommittedMesh& mesh, parallel::World& world,
                  mesh::EarlierStep& step) {
-  const mesh::MeshView& view = mesh.mesh().own_view();
+  const mesh::MeshView& view = mesh.lent_view();
   std::int64_t facts[2] = {view.own_cell_count(), 0}; // the most cells; parts that are unfit
   for (const StepPart& part : parts) {
     facts[0] = std::max(facts[0], part.cells->cell_count());
@@ -294,7 +325,7 @@ bool deal_by_ids(std::span<const StepPart> parts, const CommittedMesh& mesh, par
         held.push_back({slices.round_of(id), id, &part, flat});
       });
     for_each_owner(view, [&](std::int32_t, std::int64_t, std::int64_t flat) {
-      const std::int64_t id = mesh.mesh().global_id(INSITU_CELL, flat);
+      const std::int64_t id = id_of_cell(mesh, flat);
       wanted.push_back({slices.round_of(id), id, flat});
     });
     std::ranges::stable_sort(held, {}, &Held::round);

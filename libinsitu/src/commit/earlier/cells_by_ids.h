@@ -10,21 +10,29 @@
 #include "parallel/world.h"
 
 /// Cells that are known by their global ids, whichever process has them, of meshes whose cells are
-/// the solver's.
+/// the solver's, or parts of these: cells here are those of CommittedMesh::lent_view().
 namespace insitu::commit {
 
-/// Finds this process's cells by their global ids.
+/// Whether the cells of this process have ids: global ids, and of polyhedra such as leave room for
+/// the number of a part.
+bool are_known_by_ids(const CommittedMesh& mesh);
+/// By which a cell is known in files, and between processes: its global id, and of a part of a
+/// polyhedron with the number of the part.
+std::int64_t id_of_cell(const CommittedMesh& mesh, std::int64_t flat);
+
+/// Finds this process's cells by their ids.
 class CellsByIds {
 public:
   explicit CellsByIds(const CommittedMesh& mesh);
-  /// The flat id of the cell that this process owns; -1: it has none of this id.
-  std::int64_t find(std::int64_t global) const;
+  /// The flat id of the cell that this process owns; -1: it has none of this name.
+  std::int64_t find(const CellName& name) const;
 
 private:
+  bool of_parts_;
   std::vector<std::pair<std::int64_t, std::int64_t>> cells_; ///< ascending
 };
 
-/// The global ids of this process's cells, ghosts among them; none if it has no such ids.
+/// The ids of this process's cells, ghosts among them; none if it has no such ids.
 std::vector<std::int64_t> ids_of_cells(const CommittedMesh& mesh);
 
 /// A sum over the cells that this process owns of hashes of their ids, shapes and their vertices'

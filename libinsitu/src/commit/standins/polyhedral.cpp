@@ -231,8 +231,8 @@ std::int64_t Polyhedral::find(const Place& place) const {
 }
 
 query::Location Polyhedral::own(const query::Location& at, const math::Vec3d& /*p*/) const {
-  if (!at)
-    return at;
+  if (!at || at.cell >= view_.cell_count()) // of other cells
+    return {};
   const std::int32_t p = view_.piece_of(at.cell);
   const auto& piece = parts_[std::size_t(p)];
   query::Location own{place(at.cell).own, at.parametric};

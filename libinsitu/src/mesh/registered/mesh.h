@@ -199,9 +199,10 @@ public:
   /// The same of all steps that were kept, the latest first.
   std::vector<FieldView> earlier_fields(const std::string& name) const;
   /// Shows the kept coordinates in view(), once the solver moved its own and committed, until the
-  /// next commit; whether there are any to be shown: not if no vertex moved. The largest
-  /// displacement is infinite until it is found.
-  bool show_earlier(const core::Threads& threads);
+  /// next commit; whether there are any to be shown: not if no vertex moved, unless they are to be
+  /// shown even then, since those of other processes moved. The largest displacement is infinite
+  /// until it is found.
+  bool show_earlier(const core::Threads& threads, bool even_if_still = false);
   void find_displacement(const core::Threads& threads);
   void hide_earlier();
 

@@ -204,15 +204,15 @@ bool Mesh::points_stand(const MeshView& current) const {
   return true;
 }
 
-bool Mesh::show_earlier(const core::Threads& threads) {
+bool Mesh::show_earlier(const core::Threads& threads, bool even_if_still) {
   hide_earlier();
   if (has_still_vertices())
     return false;
   MeshView& current = shown();
-  if (!kept_fits(current) || (!earlier_blocks_.empty() && axes_stand(current)))
+  if (!kept_fits(current) || (!even_if_still && !earlier_blocks_.empty() && axes_stand(current)))
     return false;
   make_earlier_points(threads);
-  if (points_stand(current))
+  if (!even_if_still && points_stand(current))
     return false; // the current coordinates are the earlier ones
   current.earlier_points = earlier_points_.data();
   current.largest_displacement = std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@ KeptCells::KeptCells(By by, const commit::CommittedMesh& mesh, int rank)
 
 std::int64_t KeptCells::find(const mesh::CellName& name) const {
   if (ids_)
-    return name.global >= 0 ? ids_->find(name.global) : -1;
+    return ids_->find(name);
   if (by_ == By::nothing || name.rank != rank_)
     return -1;
   const mesh::MeshView& view = mesh_.mesh().view();
@@ -24,14 +24,21 @@ mesh::CellName kept_name(const commit::CommittedMesh& mesh, std::int64_t flat, i
   if (flat < 0 || flat >= view.cell_count())
     return {};
   if (flat >= view.own_cell_count())
-    return mesh.name(flat); // of the halo
+    return mesh.lends_parts() ? mesh.located_name(flat) : mesh.name(flat); // of the halo
   const std::int32_t piece = view.piece_of(flat);
-  return {mesh.stand_in() ? -1 : mesh.mesh().global_id(INSITU_CELL, flat), rank, piece,
-          flat - view.first_cell[piece]};
+  mesh::CellName name{-1, rank, piece, flat - view.first_cell[piece]};
+  if (!mesh.stand_in())
+    name.global = mesh.mesh().global_id(INSITU_CELL, flat);
+  else if (mesh.lends_parts()) {
+    const commit::StandIn::Place at = mesh.stand_in()->place(flat);
+    name.global = mesh.mesh().global_id(INSITU_CELL, at.own);
+    name.copy = at.copy;
+  }
+  return name;
 }
 
 bool names_cells(const commit::CommittedMesh& mesh, const parallel::World& world) {
-  return world.size() > 1 || (!mesh.stand_in() && mesh.mesh().has_global_ids(INSITU_CELL));
+  return world.size() > 1 || commit::are_known_by_ids(mesh);
 }
 
 } // namespace insitu::scene

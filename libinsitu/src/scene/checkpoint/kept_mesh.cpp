@@ -163,7 +163,7 @@ KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::W
   world.agree_after([&] {
     any[0] = world.size() != processes ||
              (!parts.empty() && !parts.front().kept.is_of(mesh, world.size() > 1, threads));
-    any[1] = !by_ids || mesh.stand_in();
+    any[1] = !by_ids || (mesh.mesh().own_view().own_cell_count() > 0 && !are_known_by_ids(mesh));
     any[4] = mesh.mesh().is_adaptive();
     sums[0] = std::int64_t(commit::sum_of_cells(mesh, threads));
     for (const Part& part : parts) {

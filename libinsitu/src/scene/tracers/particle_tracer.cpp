@@ -36,6 +36,8 @@ void ParticleTracer::execute(commit::CommittedMesh& mesh, const Step& step, bool
   }
   check_geodesics(mesh);
   bring_home(mesh);
+  if (!knows_cells(mesh))
+    particles_.particles().leave_cells_of_ended();
   at_times_.reset();
   due_times_ = output_clock_.due(step.time);
   if (tracer_.attached == Attached::body) {

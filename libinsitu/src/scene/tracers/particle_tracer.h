@@ -114,6 +114,7 @@ private:
   int agree_on_steps(const commit::CommittedMesh& mesh, const Step& step);
   void release_across(const commit::CommittedMesh& mesh, const Step& step,
                       const advect::Across& across);
+  void look_at_cells_across(commit::CommittedMesh& mesh);
   void advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
                       const Step& step, const advect::Across& across);
   void gather_cells_before(const commit::CommittedMesh& mesh, const Step& step);
@@ -143,7 +144,7 @@ private:
   bool mesh_moved_ = false; ///< under the particles, ever
   double settled_ = 0.0;    ///< the time that the particles are at
   int served_steps_ = 0;    ///< through which the velocity was interpolated last
-  std::uint64_t topology_ = 0;
+  std::uint64_t topology_ = 0, own_topology_ = 0; ///< the mesh's versions then
   bool same_cells_ = false; ///< as at the checkpoint of a restart
   struct {
     std::int64_t cycle = 0;

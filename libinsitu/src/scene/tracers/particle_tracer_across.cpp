@@ -75,10 +75,13 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   write_step(mesh, step, due, timer);
 }
 
-/// How many steps before this one serve on all processes that have cells.
+/// How many steps before this one serve on all processes that have cells. Whether cells of any are
+/// others is told to all, as in one process; those of a halo alone tell nothing.
 int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step& step) {
   parallel::World& world = environment_.world;
-  std::int64_t steps = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  std::int64_t agreed[] = {most, own_topology_ == mesh.own_topology_version() || same_cells_};
+  std::int64_t& steps = agreed[0];
   world.agree_after([&] {
     if (!has_cells(mesh))
       return;
@@ -87,8 +90,10 @@ int ParticleTracer::agree_on_steps(const commit::CommittedMesh& mesh, const Step
       steps = std::min<std::int64_t>(
           steps, std::int64_t(mesh.mesh().earlier_fields(tracer_.velocity.text).size()));
   });
-  world.reduce(std::span(&steps, 1), parallel::Reduction::least);
-  return steps == std::numeric_limits<std::int64_t>::max() ? 0 : int(steps);
+  world.reduce(agreed, parallel::Reduction::least);
+  if (!agreed[1])
+    particles_.particles().leave_cells_of_ended();
+  return steps == most ? 0 : int(steps);
 }
 
 /// The step before on other cells, of all processes, if all that had cells then have kept it.
@@ -132,6 +137,30 @@ void ParticleTracer::release_across(const commit::CommittedMesh& mesh, const Ste
   seeded_ = true;
 }
 
+/// What is to be known of the cells before particles move. Where vertices of one process moved,
+/// those of all blend between two steps, as in one process.
+void ParticleTracer::look_at_cells_across(commit::CommittedMesh& mesh) {
+  core::Context& context = environment_.context;
+  parallel::World& world = environment_.world;
+  std::int64_t any = 0;
+  world.agree_after([&] {
+    if (has_cells(mesh)) {
+      if (tracer_.effects.moves() || !mesh.tells_sound_cells()) // as one process does
+        mesh.look_for_folds(context.threads);
+      mesh.find_neighbours_if_due(context.threads);
+    }
+    mesh.hide_earlier();
+    any = interval_.steps_before > 0 && mesh.show_earlier(context.threads);
+  });
+  const bool here = any != 0;
+  world.reduce(std::span(&any, 1), parallel::Reduction::greatest);
+  if (any)
+    world.agree_after([&] {
+      if (!here)
+        mesh.show_earlier(context.threads, true);
+    });
+}
+
 void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::FieldView& velocity,
                                     const Step& step, const advect::Across& across) {
   core::Context& context = environment_.context;
@@ -147,18 +176,10 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   };
   std::int64_t moved = 0;
   try {
+    look_at_cells_across(mesh);
     world.agree_after([&] {
       if (interval_.steps_before > 0 && has_cells(mesh))
         earlier = mesh.mesh().earlier_fields(tracer_.velocity.text);
-      if (has_cells(mesh)) {
-        if (tracer_.effects.moves() || !mesh.tells_sound_cells()) // as one process does
-          mesh.look_for_folds(context.threads);
-        mesh.find_neighbours_if_due(context.threads);
-      }
-      if (interval_.steps_before == 0)
-        mesh.hide_earlier();
-      else
-        mesh.show_earlier(context.threads);
       std::vector<mesh::FieldView> velocities{velocity};
       velocities.insert(velocities.end(), earlier.begin(), earlier.end());
       sampler = cells_.sampler(mesh, velocities, context.threads);
@@ -186,6 +207,7 @@ void ParticleTracer::advance_across(commit::CommittedMesh& mesh, const mesh::Fie
   mesh_moved_ = mesh_moved_ || moved;
   settled_ = step.time;
   topology_ = mesh.topology_version();
+  own_topology_ = mesh.own_topology_version();
   same_cells_ = false;
   had_cells_ = has_cells(mesh);
 }
@@ -197,6 +219,7 @@ void ParticleTracer::follow_across(const commit::CommittedMesh& mesh, const Step
                               settled_, step.time, environment_.context.threads, snapshots());
   settled_ = step.time;
   topology_ = mesh.topology_version();
+  own_topology_ = mesh.own_topology_version();
   same_cells_ = false;
   had_cells_ = has_cells(mesh);
 }

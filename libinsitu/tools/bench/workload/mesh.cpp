@@ -39,6 +39,7 @@ constexpr Cut mixed_slabs[8] = {Cut::none,   Cut::wedges, Cut::centre, Cut::tetr
 Cut cut_at(Kind kind, int i) {
   switch (kind) {
   case Kind::hexahedra:
+  case Kind::hexahedra_by_faces:
     return Cut::none;
   case Kind::tetrahedra:
     return Cut::tetrahedra;
@@ -191,12 +192,12 @@ private:
 } // namespace
 
 const char* name(Kind kind) {
-  constexpr const char* names[] = {"hex", "tet", "wedge", "pyramid", "mixed", "poly"};
+  constexpr const char* names[] = {"hex", "tet", "wedge", "pyramid", "mixed", "poly", "hexfaces"};
   return names[int(kind)];
 }
 
 std::optional<Kind> kind_from_name(std::string_view text) {
-  for (int k = 0; k < 6; ++k)
+  for (int k = 0; k < 7; ++k)
     if (text == name(Kind(k)))
       return Kind(k);
   return std::nullopt;
@@ -232,6 +233,8 @@ int Mesh::gather(std::int64_t cell, Vec3d* x) const {
 }
 
 Mesh make_box(Kind kind, int n, double jitter, Spacing spacing) {
+  if (kind == Kind::hexahedra_by_faces)
+    return by_faces(make_box(Kind::hexahedra, n, jitter, spacing));
   return kind == Kind::polyhedra ? make_octahedra(n, jitter)
                                  : Builder(kind, n, jitter, spacing).take();
 }

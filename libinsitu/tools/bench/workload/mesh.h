@@ -13,9 +13,9 @@
 /// random queries, 3 to 5 boundary sets, 6 renumbering, 8 islands.
 namespace insitu::workload {
 
-enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed, polyhedra };
+enum class Kind { hexahedra, tetrahedra, wedges, pyramids, mixed, polyhedra, hexahedra_by_faces };
 
-/// "hex", "tet", "wedge", "pyramid", "mixed", "poly".
+/// "hex", "tet", "wedge", "pyramid", "mixed", "poly", "hexfaces".
 const char* name(Kind kind);
 std::optional<Kind> kind_from_name(std::string_view name);
 
@@ -80,8 +80,11 @@ struct Mesh {
 ///    triangles, two tetrahedra.
 ///  - polyhedra: truncated octahedra instead, about the middles of the cubes and the inner corners
 ///    of a lattice; the spacing is even, and the jitter a share of a quarter of a cube.
+///  - hexahedra_by_faces: hexahedra, with their faces in the place of their vertices.
 Mesh make_box(Kind kind, int n, double jitter, Spacing spacing = Spacing::even);
 Mesh make_octahedra(int n, double jitter);
+/// The same cells, given by their faces.
+Mesh by_faces(Mesh mesh);
 /// The even box of n^3 hexahedra, twisted: interior vertices move by +-amplitude / n in x and in y,
 /// by turns, so that every interior cell's two ends are turned or sheared in opposite directions
 /// and the quads between them are bent as far. Up to an amplitude of 0.45 no cell folds.

@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
+#include "cells/kernels/faces.h"
 #include "core/random.h"
 #include "workload/mesh.h"
 
@@ -86,6 +89,39 @@ Mesh make_octahedra(int n, double jitter) {
       for (int j = 0; j < (shift ? n - 1 : n); ++j)
         for (int i = 0; i < (shift ? n - 1 : n); ++i)
           add({4 * i + shift, 4 * j + shift, 4 * k + shift});
+  return mesh;
+}
+
+Mesh by_faces(Mesh mesh) {
+  std::map<std::array<std::int32_t, 4>, std::int32_t> known; // by their vertices, ascending
+  mesh.face_offsets.push_back(0);
+  std::vector<std::int64_t> cell_offsets{0};
+  for (std::int64_t c = 0; c < mesh.cell_count(); ++c) {
+    const cells::FaceTable table = cells::face_table(mesh.shape(c));
+    for (int f = 0; f < table.face_count; ++f) {
+      std::array<std::int32_t, 4> ring{}, key{};
+      const auto count = std::size_t(table.faces[f].vertex_count);
+      for (std::size_t v = 0; v < count; ++v)
+        ring[v] = mesh.ids(c)[table.faces[f].vertices[v]];
+      key = ring;
+      if (count == 3)
+        key[3] = -1;
+      std::ranges::sort(key);
+      const auto [at, fresh] = known.emplace(key, std::int32_t(mesh.face_offsets.size()) - 1);
+      if (fresh) {
+        mesh.face_vertices.insert(mesh.face_vertices.end(), ring.begin(),
+                                  ring.begin() + std::ptrdiff_t(count));
+        mesh.face_offsets.push_back(std::int64_t(mesh.face_vertices.size()));
+      }
+      mesh.cell_faces.push_back(at->second);
+    }
+    cell_offsets.push_back(std::int64_t(mesh.cell_faces.size()));
+  }
+  mesh.cell_offsets = std::move(cell_offsets);
+  mesh.connectivity.clear();
+  mesh.types.clear();
+  mesh.offsets.clear();
+  mesh.uniform_shape = mesh::Shape::none;
   return mesh;
 }
 
