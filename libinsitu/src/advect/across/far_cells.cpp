@@ -4,9 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "query/batch/candidates.h"
 #include "query/on_demand.h"
-#include "query/point_query.h"
 #include "query/proof.h"
 #include "query/sound_cells.h"
 #include "query/walk/beside_mesh.h"
@@ -181,68 +179,9 @@ query::Location FarCells::find(const Vec3d& point, double alpha) const {
   if (const query::Location at = inside(point, alpha))
     return at;
   const auto known = known_.find({point, alpha, 0.0});
-  if (known != known_.end())
-    return known->second.at;
-  if (known_clear(point, alpha) > 0.0)
-    return {};
-  throw query::Elsewhere(*this, point, alpha);
-}
-
-double FarCells::known_clear(const Vec3d& point, double alpha) const {
-  double most = 0.0;
-  for (const Clear& clear : clear_)
-    if (clear.alpha == alpha || !moves_) {
-      const Vec3d d = point - clear.around;
-      most = std::max(most,
-                      clear.radius - std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}));
-    }
-  return most;
-}
-
-/// Those that were not asked have boxes beside the point alone.
-void FarCells::know(const Vec3d& point, double alpha, const query::Location& at, bool is_near,
-                    double clear) {
-  known_[{point, alpha, 0.0}] = {at, is_near, std::nullopt};
-  if (at || beyond_)
-    return;
-  for (int r = 0; r < directory_.size(); ++r)
-    for (const mesh::Box& box : directory_.boxes(r)) {
-      double beside = 0.0; // 0: it was asked
-      for (int a = 0; a < 3; ++a)
-        beside = std::max({beside, box.low[a] - point[a], point[a] - box.high[a]});
-      if (r != rank_ && beside > 0.0)
-        clear = std::min(clear, beside);
-    }
-  if (!(clear > 0.0))
-    return;
-  next_clear_ %= most_clear;
-  if (next_clear_ == clear_.size())
-    clear_.push_back({});
-  clear_[next_clear_++] = {point, alpha, clear};
-}
-
-/// Of a few distances the largest one within which no cell that this process owns has its box.
-double FarCells::clear_around(const Vec3d& point, const query::LocateOptions& options) const {
-  constexpr int steps = 12; // of four times, from the distance that is near
-  const query::PointQuery query = here_.point_query(options);
-  const mesh::MeshView& mesh = here_.mesh();
-  if (query.tree.empty() || near_ == 0.0)
-    return 0.0;
-  double clear = 0.0, reach = 4.0 * near_;
-  for (int step = 0; step < steps; ++step, reach *= 4.0) {
-    const Vec3d by{reach, reach, reach};
-    float lower[3], upper[3], other[3];
-    if (!query.box_rule().box(point - by, lower, other) ||
-        !query.box_rule().box(point + by, other, upper))
-      return clear;
-    for (const query::Candidate& candidate : query.candidates_in(lower, upper)) {
-      const std::int64_t flat = query.tree.cells()[candidate.slot];
-      if (flat < mesh.first_single_cell() || homes_.is_own(flat)) // the former stand for gridlets
-        return clear;
-    }
-    clear = reach;
-  }
-  return clear;
+  if (known == known_.end())
+    throw query::Elsewhere(*this, point, alpha);
+  return known->second.at;
 }
 
 /// In a cell that has come and answers alone, or none.
@@ -267,8 +206,6 @@ std::optional<Vec3d> FarCells::nearest(const Vec3d& point, double reach, double 
   if (reach <= near_ && missed != known_.end() && !missed->second.is_near)
     return std::nullopt;
   const auto known = known_.find({point, alpha, reach});
-  if (known == known_.end() && !beyond_ && known_clear(point, alpha) > reach)
-    return std::nullopt;
   if (known == known_.end())
     throw query::Elsewhere(*this, point, alpha, reach);
   return known->second.nearest;
@@ -302,8 +239,6 @@ FarCells::Answer FarCells::answer(const Vec3d& point, double alpha, double reach
   answer.is_near = is_near;
   if (is_near)
     answer.nearest = inside;
-  else if (reach == 0.0)
-    answer.clear = clear_around(point, options);
   return answer;
 }
 

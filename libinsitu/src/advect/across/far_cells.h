@@ -70,7 +70,6 @@ public:
     bool is_near = false;               ///< otherwise: cells of it may lie within near_
     std::optional<math::Vec3d> nearest; ///< within the reach that was asked for
     query::Location at;
-    double clear = 0.0; ///< where it holds none: it owns no cell nearer than this along each axis
   };
   Answer answer(const math::Vec3d& point, double alpha, double reach,
                 insitu_accuracy accuracy) const;
@@ -79,9 +78,10 @@ public:
   void tell(std::int64_t cell, insitu_accuracy accuracy, parallel::ByteWriter& to) const;
   std::int64_t take(int rank, parallel::ByteReader& from);
   void set_views();
-  /// What all processes together have said. clear: of those that were asked.
-  void know(const math::Vec3d& point, double alpha, const query::Location& at, bool is_near,
-            double clear);
+  /// What all processes together have said.
+  void know(const math::Vec3d& point, double alpha, const query::Location& at, bool is_near) {
+    known_[{point, alpha, 0.0}] = {at, is_near, std::nullopt};
+  }
   void know_nearest(const math::Vec3d& point, double alpha, double reach,
                     const std::optional<math::Vec3d>& nearest) {
     known_[{point, alpha, reach}] = {{}, false, nearest};
@@ -139,17 +139,6 @@ private:
     std::vector<std::int64_t> cells;
   };
 
-  /// Around a place that no process holds, where no other process owns a cell, at one time of a
-  /// mesh that moves.
-  struct Clear {
-    math::Vec3d around;
-    double alpha, radius; ///< the latter along each axis
-  };
-  static constexpr std::size_t most_clear = 512;
-
-  double clear_around(const math::Vec3d& point, const query::LocateOptions& options) const;
-  /// How far around a point no other process owns a cell, as far as is known.
-  double known_clear(const math::Vec3d& point, double alpha) const;
   static mesh::Box wider_box(const mesh::Box& box, double by) {
     const math::Vec3d all{by, by, by};
     return {box.low - all, box.high + all};
@@ -179,8 +168,6 @@ private:
   std::map<CellName, std::int64_t> by_name_;
   std::vector<Group> groups_;
   std::unordered_map<Asked, Known, Hash> known_;
-  std::vector<Clear> clear_; ///< the latest ones, in turns
-  std::size_t next_clear_ = 0;
 };
 
 /// The fields of effects, in an order that all processes have.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -95,7 +94,6 @@ private:
     int holder = -1;
     bool goes = false; ///< to the holder
     bool is_near = false;
-    double clear = std::numeric_limits<double>::infinity(); ///< of all that were asked
     query::Location found = {};
     std::optional<math::Vec3d> nearest = {};
 

@@ -35,7 +35,6 @@ void Rounds::Waiting::note(int rank, const Answer& answer) {
     goes = answer.goes != 0;
   }
   is_near = is_near || answer.is_near;
-  clear = std::min(clear, answer.clear);
   const auto far = [&](const math::Vec3d& x) {
     const math::Vec3d d = x - at.point;
     return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
@@ -87,7 +86,7 @@ void Rounds::answer(const Question& q, ByteWriter& to) const {
   const FarCells* const cells = q.before ? before_ : &cells_;
   const FarCells::Answer found =
       cells ? cells->answer(q.point, q.alpha, q.reach, accuracy_) : FarCells::Answer{};
-  Answer a{q.number, found.at.parametric, {}, found.clear, found.holds, 0, found.is_near};
+  Answer a{q.number, found.at.parametric, {}, found.holds, 0, found.is_near};
   a.goes = q.goes && found.holds && (q.cell.rank < 0 || homes_.find(q.cell) >= 0);
   if (found.nearest)
     a.nearest = *found.nearest;
@@ -126,7 +125,7 @@ void Rounds::go_on(const Waiting& w) {
   if (w.at.reach > 0.0)
     cells.know_nearest(w.at.point, w.at.alpha, w.at.reach, w.nearest);
   else
-    cells.know(w.at.point, w.at.alpha, w.found, w.is_near, w.clear);
+    cells.know(w.at.point, w.at.alpha, w.found, w.is_near);
   way.stays = way.stays_here;
   ways_[w.particle] = way;
   todo_.push_back(w.particle);

@@ -59,7 +59,6 @@ struct Answer {
   std::int64_t number;
   math::Vec3d parametric; ///< in the cell that holds the place
   math::Vec3d nearest;
-  double clear;         ///< nearer to the place along each axis this process owns no cell
   std::uint8_t holds;   ///< this process owns the cell that owns the place
   std::uint8_t goes;    ///< the particle's step is made here; else the cell follows
   std::uint8_t is_near; ///< nobody here holds it, but the nearest place that was asked for is here,
