@@ -262,9 +262,10 @@ public:
   /// The same of an adaptive mesh, whose cells the other copy leaves out.
   AdaptiveCells copy_earlier_adaptive() const;
   /// And back, where the cells are others by now. is_part: other processes may have more of them.
+  /// ids: of the cells, if those of all processes have some.
   void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
                             const std::optional<query::ChartImage>& on, bool is_part,
-                            const core::Threads& threads);
+                            std::vector<std::int64_t> ids, const core::Threads& threads);
   void restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,
                             const core::Threads& threads);
   const std::optional<query::ChartImage>& earlier_chart() const { return kept_.chart; }

@@ -135,12 +135,13 @@ AdaptiveCells CommittedMesh::copy_earlier_adaptive() const {
 
 void CommittedMesh::restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
                                          const std::optional<query::ChartImage>& on, bool is_part,
+                                         std::vector<std::int64_t> ids,
                                          const core::Threads& threads) {
   if (!are_alike(on, chart()))
     return;
   earlier_mesh_ = EarlierMesh::restored(step, std::move(cells), on, *memory_, threads);
   if (earlier_mesh_ && is_part)
-    earlier_mesh_->set_own({earlier_mesh_->sampler().mesh().cell_count(), {}, {}});
+    earlier_mesh_->set_own({earlier_mesh_->sampler().mesh().cell_count(), std::move(ids), {}});
 }
 
 void CommittedMesh::restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,

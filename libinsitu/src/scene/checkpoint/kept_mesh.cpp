@@ -152,6 +152,7 @@ struct KeptMesh::Found {
   bool has_step; ///< some process kept fields
   bool is_adaptive;
   bool has_cells; ///< all that kept fields kept the cells, too, on which particles can go on
+  bool has_ids;   ///< and ids of these
 };
 
 KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::World& world,
@@ -175,7 +176,8 @@ KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::W
   });
   world.reduce(any, parallel::Reduction::greatest);
   world.reduce(sums, parallel::Reduction::sum);
-  return {!any[0], !any[1] && !any[2] && sums[0] == sums[1], any[3] != 0, any[4] != 0, !any[5]};
+  return {!any[0], !any[1] && !any[2] && sums[0] == sums[1], any[3] != 0, any[4] != 0, !any[5],
+          !any[2]};
 }
 
 KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& world,
@@ -195,7 +197,7 @@ KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& wo
   if (found.same_ids && (!found.has_step || restore_by_ids(mesh, world)))
     return KeptCells::By::ids;
   if (found.has_cells)
-    world.agree_after([&] { restore_other_cells(mesh, world.size() > 1, threads); });
+    world.agree_after([&] { restore_other_cells(mesh, world.size() > 1, found.has_ids, threads); });
   else if (found.has_step && world.size() > 1 && world.is_root())
     log.warning("mesh '" + name +
                 "': its cells are not known again after the restart, as they are not those of as "
@@ -259,8 +261,9 @@ bool KeptMesh::restore_by_ids(commit::CommittedMesh& mesh, parallel::World& worl
   return true;
 }
 
-/// On the checkpoint's cells. is_part: other processes have other parts.
-void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part,
+/// On the checkpoint's cells. is_part: other processes have other parts. by_ids: of several cells
+/// that hold a place the lowest id counts.
+void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part, bool by_ids,
                                    const core::Threads& threads) {
   std::vector<commit::EarlierCells> adaptive;
   auto kind = commit::CellsKind::cells;
@@ -278,8 +281,10 @@ void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part,
   for (std::size_t i = 1; i < parts.size(); ++i) {
     mesh::append(first.step, parts[i].kept.step);
     first.cells.append(parts[i].kept.cells);
+    first.ids.insert(first.ids.end(), parts[i].kept.ids.begin(), parts[i].kept.ids.end());
   }
-  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, is_part, threads);
+  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, is_part,
+                            by_ids ? std::move(first.ids) : std::vector<std::int64_t>(), threads);
 }
 
 std::uint64_t fingerprint(const commit::CommittedMesh& mesh, const core::Threads& threads) {

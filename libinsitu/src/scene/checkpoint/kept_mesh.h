@@ -67,7 +67,8 @@ private:
   const mesh::EarlierStep* some_step() const;
   void restore_by_numbers(commit::CommittedMesh& mesh, bool is_adaptive, parallel::World& world);
   bool restore_by_ids(commit::CommittedMesh& mesh, parallel::World& world);
-  void restore_other_cells(commit::CommittedMesh& mesh, bool is_part, const core::Threads& threads);
+  void restore_other_cells(commit::CommittedMesh& mesh, bool is_part, bool by_ids,
+                           const core::Threads& threads);
 };
 
 /// A hash of the shapes and vertices of own cells in their order (FNV-1a), of an adaptive mesh of
