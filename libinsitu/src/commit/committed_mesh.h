@@ -53,8 +53,7 @@ public:
   /// At the last commit one of the mesh's arrays at least was in device memory: only device()
   /// answers.
   bool lies_on_device() const { return on_device_; }
-  /// Throws INSITU_ERROR_ORDER before the first commit.
-  insitu_locator_info locator_info() const;
+  insitu_locator_info locator_info() const; ///< throws INSITU_ERROR_ORDER before the first commit
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
   void note(const query::DeviceCounts& counts, std::span<const std::uint8_t> reasons = {}) const;
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
@@ -100,7 +99,6 @@ public:
 
   /// Validates the arrays as they are; the mesh need not be committed.
   cells::Validation validate(const core::Threads& threads);
-
   bool committed() const { return committed_ && mesh_.pending() == 0; }
   void require_committed() const; ///< throws INSITU_ERROR_ORDER unless committed
   /// Queries, hinted ones above all, answer fastest once it is known that no cell folds. Topology
@@ -204,8 +202,7 @@ public:
   }
   /// Of a mesh that was committed and needs one; else null.
   const StandIn* stand_in() const { return stand_in_.get(); }
-  /// Throws INSITU_ERROR_ORDER unless adaptive and committed.
-  insitu_amr_info amr_info() const;
+  insitu_amr_info amr_info() const; ///< throws INSITU_ERROR_ORDER unless adaptive and committed
   /// Of all samplers of this mesh, since it was made.
   const query::LocateCounts& locate_counts() const { return locate_counts_; }
   std::int64_t located() const; ///< points, their sum
