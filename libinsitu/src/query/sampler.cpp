@@ -168,21 +168,25 @@ bool Sampler::settle_at_seam(const Vec3d& p, const LocateOptions& options, Locat
   float lower[3], upper[3];
   if (!query.box_rule().box(p, lower, upper))
     return false;
-  bool other = false;
+  // A place on the boundary of other processes' cells alone may be owned by one that is not here:
+  // all that touch a cell of this process are.
+  bool other = false, is_here = owns(at.cell) || !outlook_ || !outlook_->is_beyond(p);
   mesh::CellVertices cell;
   for (const Candidate& c : query.candidates_in(lower, upper)) {
     const std::int64_t flat = query.tree.cells()[c.slot];
-    if (!seams_->is_before(flat, at.cell))
+    const bool is_first = seams_->is_before(flat, at.cell), is_own = !is_here && owns(flat);
+    if (!is_first && !is_own)
       continue;
     mesh::gather(*mesh_, flat, cell, options.alpha);
-    if (const cells::Decision why = cells::decide(cell.shape, cell.x, p)) {
+    const cells::Decision why = cells::decide(cell.shape, cell.x, p);
+    is_here = is_here || (why && is_own);
+    if (why && is_first) {
       at = {flat, cells::parametric_in(cell.shape, cell.x, p, why)};
       reason = why.reason();
       other = true;
     }
   }
-  // A place on the boundary of another process's cell may be owned by one that is not here.
-  if (outlook_ && !is_inside() && !owns(at.cell) && outlook_->is_beyond(p)) {
+  if (!is_here && !is_inside()) {
     at = {};
     reason = Reason::outside;
     other = true;

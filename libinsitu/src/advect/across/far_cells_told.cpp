@@ -51,8 +51,12 @@ std::int64_t FarCells::take(int rank, parallel::ByteReader& from) {
   if (pole >= far_.size() || count > 8)
     throw core::Error(INSITU_ERROR_INTERNAL,
                       "tracer: a cell of process " + std::to_string(rank) + " is none");
-  const auto at = ids_.find({rank, there});
-  const bool is_new = at == ids_.end();
+  // One that is here already, in the halo or told before, keeps its id: walks compare ids.
+  const auto told = ids_.find({rank, there});
+  const std::int64_t here = told != ids_.end() ? told->second
+                            : name.rank >= 0   ? homes_.find(name)
+                                               : -1;
+  const bool is_new = here < 0;
   Piece none, &piece = is_new ? far_[pole] : none;
   const auto first = std::int32_t(piece.points.size());
   const auto add = [&](std::vector<Vec3d>& to) {
@@ -70,7 +74,7 @@ std::int64_t FarCells::take(int rank, parallel::ByteReader& from) {
       field->of[pole].values.insert(field->of[pole].values.end(), values.begin(), values.end());
   }
   if (!is_new)
-    return at->second;
+    return here;
   piece.offsets.push_back(std::int64_t(piece.connectivity.size()));
   for (std::size_t v = 0; v < count; ++v)
     piece.connectivity.push_back(first + std::int32_t(v));
