@@ -186,7 +186,8 @@ void CommittedMesh::update_halo(parallel::World& world, const core::Threads& thr
   halo_moves_ = topology ? 0 : halo_moves_ + geometry;
   // Vertices of processes that move them apart are found out, at less and less cost a step.
   const bool looks =
-      !none && !leaves && (topology || (geometry && std::has_single_bit(halo_moves_)));
+      !none && !leaves &&
+      (topology || (geometry && seam_tolerance > 0.0 && std::has_single_bit(halo_moves_)));
   SeamMismatches mismatches;
   try {
     world.agree_after([&] {

@@ -146,16 +146,22 @@ private:
     world_.reduce(std::span(&cells, 1), Reduction::sum);
     found.halo_cells = double(cells);
     found.halo_cells_by_model = halo_cells(layout_);
-    measure(
-        "commit: moved",
-        alone() ? Cost{double(layout_.cell_count()), 0, 0, 0}
-                : refreshed_halo(layout_, vertex_fields),
-        [&] { mesh_->mesh().set_changed(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS); },
-        [&] {
-          commit();
-          meet_others();
-          (void)mesh_->tree();
-        });
+    const auto move = [&] {
+      mesh_->mesh().set_changed(INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS);
+    };
+    for (int step = 0; step < 4; ++step) { // of the first ones seams are looked at again
+      move();
+      commit();
+      meet_others();
+    }
+    measure("commit: moved",
+            alone() ? Cost{double(layout_.cell_count()), 0, 0, 0}
+                    : refreshed_halo(layout_, vertex_fields),
+            move, [&] {
+              commit();
+              meet_others();
+              (void)mesh_->tree();
+            });
     mesh_->look_for_folds(context_.threads);
   }
 
