@@ -50,7 +50,7 @@ if(INSITU_HAVE_MPI)
 else()
   unset(INSITU_MPIEXEC CACHE)
 endif()
-set(INSITU_TEST_PROCESSES 1 2 3 CACHE STRING "Numbers of processes that the miniapps are tested on; all: 1;2;3;4;8")
+set(INSITU_TEST_PROCESSES 1 2 3 4 8 CACHE STRING "Numbers of processes that the miniapps are tested on")
 
 # insitu_processes_test(name target processes [LABELS ...] [ARGS ...]): a program on so many processes; Open MPI asks for leave to
 # run as root, and more processes than cores.
