@@ -1,5 +1,6 @@
 #include "node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -124,8 +125,12 @@ Leaf Node::leaf() const {
 std::string Node::text() const {
   if (!is_text())
     refuse(INSITU_ERROR_ARGUMENT, "is no text");
-  const char* text = conduit_->as_char8_str(node_);
-  return text ? text : "";
+  const char* const text = conduit_->as_char8_str(node_);
+  if (!text)
+    return "";
+  // Where its end is missing, it ends with the node's memory.
+  const std::int64_t most = conduit_->number_of_elements(conduit_->dtype(node_));
+  return {text, std::find(text, text + std::max<std::int64_t>(most, 0), '\0')};
 }
 
 double Node::real() const {

@@ -111,7 +111,7 @@ void change(Tree& tree, Bytes& in) {
       node.children.erase(node.children.begin() + in.below(unsigned(node.children.size())));
     break;
   case 1: { // other text
-    constexpr const char* texts[] = {"uniform", "hex", "mixed", "element", "vertex", "c", "", "t"};
+    constexpr char texts[8][8] = {"uniform", "hex", "mixed", "element", "vertex", "c", "", "t"};
     node.set_copy(Conduit::char8_str, texts[in.below(8)], 8);
     node.own.back() = '\0';
     break;

@@ -95,7 +95,7 @@ private:
     }
     if (in_.one_in(2)) {
       narrow_[which].assign(ids.begin(), ids.end());
-      if (!in_.one_in(4))
+      if (n == 0 || !in_.one_in(4))
         return insitu_array_of(narrow_[which].data(), INSITU_INT32, n, 1);
       narrow_[which].assign(ids.rbegin(), ids.rend());
       insitu_array a = insitu_array_of(narrow_[which].data() + n - 1, INSITU_INT32, n, 1);

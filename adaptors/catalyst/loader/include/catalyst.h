@@ -77,7 +77,8 @@ enum catalyst_status {
   catalyst_status_error_not_found,
   catalyst_status_error_not_catalyst,
   catalyst_status_error_incomplete,
-  catalyst_status_error_unsupported_version
+  catalyst_status_error_unsupported_version,
+  catalyst_status_largest = 0x3fffffff /* implementations return numbers of their own below it */
 };
 
 /* The first call loads libcatalyst-NAME.so, NAME being catalyst_load/implementation or the

@@ -29,7 +29,8 @@ bool find_ring(const FacesView& faces, std::int64_t face, FaceRing& out) {
   }
   const std::int64_t begin = from_base(rings.offsets.load(f), faces.index_base);
   const std::int64_t end = end_of(f, rings.offsets, rings.ids, faces.index_base);
-  out = {rings.ids, begin, end - begin};
+  // From any number to any: begin and size tell the end again.
+  out = {rings.ids, begin, std::int64_t(std::uint64_t(end) - std::uint64_t(begin))};
   return begin >= 0 && begin <= end && end <= rings.ids.count;
 }
 

@@ -38,13 +38,16 @@ bool ClosedCell::take_rings(std::span<const std::int64_t> faces, FaceFindings& f
       refuse(errors, "face " + std::to_string(face) + " " + what, findings);
       return false;
     };
+    const auto place = [&](std::int64_t at) {
+      return std::to_string(mesh::from_base(at, -given_.index_base));
+    };
     FaceRing ring{};
     if (!find_ring(given_, face, ring))
-      return refuse_face(findings.shape_errors,
-                         "lies at " + std::to_string(ring.first + given_.index_base) +
-                             " to before " +
-                             std::to_string(ring.first + ring.size + given_.index_base) + " of " +
-                             std::to_string(ring.ids.count) + " ids");
+      return refuse_face(
+          findings.shape_errors,
+          "lies at " + place(ring.first) + " to before " +
+              place(std::int64_t(std::uint64_t(ring.first) + std::uint64_t(ring.size))) + " of " +
+              std::to_string(ring.ids.count) + " ids");
     if (ring.size < 3)
       return refuse_face(findings.shape_errors,
                          "has " + std::to_string(ring.size) + " vertices, 3 or more expected");
