@@ -110,13 +110,6 @@ void CommittedMesh::choose_stand_in() {
 }
 
 /// Tells the policy what was asked of the tree since the last commit.
-std::int64_t CommittedMesh::located() const {
-  std::int64_t sum = 0;
-  for (const std::int64_t n : locate_counts_.totals())
-    sum += n;
-  return sum;
-}
-
 void CommittedMesh::note_queries() {
   const std::int64_t points = located();
   located_lately_ = points - located_before_;

@@ -53,6 +53,13 @@ bool CommittedMesh::fit_may_wait(const core::Threads& threads) const {
          mesh_.vertices_are_within(bound, threads);
 }
 
+std::int64_t CommittedMesh::located() const {
+  std::int64_t sum = 0;
+  for (const std::int64_t n : locate_counts_.totals())
+    sum += n;
+  return sum;
+}
+
 bool CommittedMesh::many_were_located() const {
   return located_lately_ > 2 * mesh_.view().cell_count();
 }

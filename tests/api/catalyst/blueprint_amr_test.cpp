@@ -45,19 +45,22 @@ struct TwoLevels {
   std::vector<std::int32_t> ghosts;
 };
 
+/// Points at the centres of a cell of the first patch and of two of the second one.
+void expect_patches(Mesh mesh, const std::vector<double>& points, const std::vector<double>& values,
+                    std::int64_t masked) {
+  EXPECT_EQ(mesh.locate(points).pieces, (std::vector<std::int32_t>{0, 1, 1}));
+  const Samples v = mesh.sample("v", points);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    EXPECT_NEAR(v(i), values[i], 1e-9);
+  EXPECT_EQ(mesh.amr_info().masked, masked);
+}
+
 TEST_F(Blueprint, PatchesOfAnAdaptiveMesh) {
   TestNode node;
   const TwoLevels levels(3, node);
   expect_attached(node, true);
-  Mesh mesh = session_.mesh("mesh");
-  const std::vector<double> points = {0.5, 0.5, 0.5, 1.25, 1.25, 1.25, 2.75, 1.25, 1.25};
-  const Locations at = mesh.locate(points);
-  EXPECT_EQ(at.pieces, (std::vector<std::int32_t>{0, 1, 1}));
-  const Samples v = mesh.sample("v", points); // cells' centres
-  EXPECT_NEAR(v(0), 0, 1e-12);
-  EXPECT_NEAR(v(1), 1111, 1e-9);
-  EXPECT_NEAR(v(2), 1114, 1e-9);
-  EXPECT_EQ(mesh.amr_info().masked, 8);
+  expect_patches(session_.mesh("mesh"), {0.5, 0.5, 0.5, 1.25, 1.25, 1.25, 2.75, 1.25, 1.25},
+                 {0, 1111, 1114}, 8);
 
   node.set("b/coordsets/coords/origin/x", 0.6);
   expect_refused(node, INSITU_ERROR_UNSUPPORTED, "a whole cell is needed", true);
@@ -155,15 +158,8 @@ TEST_F(Blueprint, PatchesOfAFlatAdaptiveMesh) {
   TestNode node;
   const TwoLevels levels(2, node);
   expect_attached(node, true);
-  Mesh mesh = session_.mesh("mesh");
-  const std::vector<double> points = {0.5, 0.5, 7, 1.25, 1.25, 0, 2.75, 1.25, -3};
-  const Locations at = mesh.locate(points);
-  EXPECT_EQ(at.pieces, (std::vector<std::int32_t>{0, 1, 1}));
-  const Samples v = mesh.sample("v", points); // cells' centres
-  EXPECT_NEAR(v(0), 0, 1e-12);
-  EXPECT_NEAR(v(1), 1011, 1e-9);
-  EXPECT_NEAR(v(2), 1014, 1e-9);
-  EXPECT_EQ(mesh.amr_info().masked, 4);
+  expect_patches(session_.mesh("mesh"), {0.5, 0.5, 7, 1.25, 1.25, 0, 2.75, 1.25, -3},
+                 {0, 1011, 1014}, 4);
 
   node.set("b/coordsets/coords/dims/k", 2).set("b/coordsets/coords/origin/z", 0.0);
   node.set("b/coordsets/coords/spacing/dz", 0.5);

@@ -6,6 +6,14 @@
 
 #include "two.h"
 
+static insitu::Mesh mesh_of(Two& two, insitu::Session& session) {
+  insitu::Mesh mesh = session.mesh("m");
+  mesh.points(two.xyz);
+  mesh.hexahedra(two.ids);
+  mesh.vertex_field("p", two.pressure);
+  return mesh;
+}
+
 TEST(WrapperSession, TheLogReachesTheFunction) {
   std::vector<std::string> messages;
   insitu::Options options;
@@ -19,10 +27,7 @@ TEST(WrapperSession, TheLogReachesTheFunction) {
   options.output = testing::TempDir() + "insitu_wrapper";
   insitu::Session session(options);
   Two two;
-  insitu::Mesh mesh = session.mesh("m");
-  mesh.points(two.xyz);
-  mesh.hexahedra(two.ids);
-  mesh.vertex_field("p", two.pressure);
+  insitu::Mesh mesh = mesh_of(two, session);
   EXPECT_FALSE(session.execute(0, 0.0));
   EXPECT_TRUE(std::any_of(messages.begin(), messages.end(), [](const std::string& m) {
     return m.find("absent") != std::string::npos;
@@ -39,10 +44,7 @@ TEST(WrapperSession, AnswersOfProbesAreKept) {
   options.output = testing::TempDir() + "insitu_answers";
   insitu::Session session(options);
   Two two;
-  insitu::Mesh mesh = session.mesh("m");
-  mesh.points(two.xyz);
-  mesh.hexahedra(two.ids);
-  mesh.vertex_field("p", two.pressure);
+  insitu::Mesh mesh = mesh_of(two, session);
   EXPECT_TRUE(session.execute(0, 0.0));
   ASSERT_EQ(session.answers().size(), 2u);
   EXPECT_EQ(session.answers()[0].answered, 0); // nobody asked to keep them

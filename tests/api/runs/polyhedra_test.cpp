@@ -9,6 +9,7 @@
 #include "coupled.h"
 #include "cubes.h"
 #include "fixtures/poly_dual.h"
+#include "fixtures/subdivided.h"
 #include "output/image/png.h"
 
 namespace {

@@ -240,6 +240,40 @@ TEST(LeafHalo, PatchesAreAsOnOneProcess) {
   check({2, 2, 3, 3}, INSITU_DUAL, {2, 8}, 2);
 }
 
+/// The dual of a process's leaves alone is made for who asks before the halo is there, and for
+/// nobody else: a regrid builds one.
+TEST(LeafHalo, TheDualOfACommitWaits) {
+  AmrMesh whole = test::make_mesh({1, 0, 2, 3});
+  const test::Deal deal = deal_of(whole, 0, 2, 0);
+  test::run_processes(2, [&](parallel::World& world) {
+    const core::Threads threads(1);
+    const core::Log log;
+    core::Memory memory;
+    commit::CommittedMesh mesh("part", memory);
+    mesh.mesh().set_is_part(true);
+    test::AmrPart part(whole, INSITU_DUAL, deal, world.rank());
+    part.give(mesh.mesh());
+    part.give_fields(mesh.mesh(), 1.0);
+    for (int regrid = 0; regrid < 2; ++regrid) {
+      const bool asks = world.rank() == regrid;
+      mesh.mesh().set_changed(INSITU_CHANGED_ALL);
+      mesh.commit(threads, log, memory, false);
+      EXPECT_TRUE(mesh.stand_in()->waits());
+      if (asks) { // every cell of it lies among own leaves
+        const mesh::MeshView& own = mesh.sampler().mesh();
+        EXPECT_GT(own.cell_count(), 0);
+        EXPECT_GT(mesh.amr_info().cubes + mesh.amr_info().stitching, 0);
+      }
+      EXPECT_EQ(mesh.stand_in()->waits(), !asks);
+      mesh.update_halo(world, threads, log);
+      EXPECT_FALSE(mesh.stand_in()->waits());
+      mesh.mesh().set_changed(INSITU_CHANGED_FIELDS);
+      mesh.commit(threads, log, memory, false);
+      EXPECT_FALSE(mesh.stand_in()->waits());
+    }
+  });
+}
+
 /// On all processes alike.
 TEST(LeafHalo, OverlapsAndOtherLatticesAreNamed) {
   AmrMesh whole;

@@ -1,4 +1,6 @@
 // Faces that do not bound cells are refused by the piece, the cell and the face.
+#include <limits>
+
 #include "../query/query_test.h"
 #include "core/status.h"
 #include "fixtures/polyhedra.h"
@@ -12,9 +14,10 @@ namespace {
 constexpr std::int64_t far_out = std::int64_t(1) << 40;
 
 /// What a commit says of these faces.
-class Refused {
+template <class Id>
+class RefusedWith {
 public:
-  explicit Refused(const FaceMesh& mesh = fixtures::octahedra(2), int base = 0)
+  explicit RefusedWith(const FaceMesh& mesh = fixtures::octahedra(2), int base = 0)
       : arrays(mesh, base), by_owner(arrays.by_owner()), by_cell(arrays.by_cell()) {}
 
   std::string commit(const insitu_faces& faces, insitu_status status = INSITU_ERROR_MESH) {
@@ -43,9 +46,10 @@ public:
     return "accepted";
   }
 
-  FaceArrays<> arrays;
+  FaceArrays<Id> arrays;
   insitu_faces by_owner, by_cell;
 };
+using Refused = RefusedWith<std::int32_t>;
 
 void expect_in(const std::string& message, const std::vector<std::string>& parts) {
   for (const std::string& part : parts)
@@ -103,6 +107,19 @@ TEST(BadFaces, Rings) {
   Refused coordinate;
   coordinate.arrays.points[3 * std::size_t(coordinate.arrays.vertices[0]) + 1] = NAN;
   expect_in(coordinate.commit(coordinate.by_owner), {"coordinate y is NaN"});
+}
+
+/// Of no difference of which there may be a number.
+TEST(BadFaces, OffsetsThatAreAnyNumbers) {
+  using Numbers = std::numeric_limits<std::int64_t>;
+  for (const std::int64_t wrong : {Numbers::max(), Numbers::min()})
+    for (const int base : {0, 1}) {
+      RefusedWith<std::int64_t> r(fixtures::octahedra(2), base);
+      r.arrays.offsets[1] = wrong;
+      for (const insitu_faces& faces : {r.by_owner, r.by_cell})
+        expect_in(r.commit(faces), {"face 0 lies at " + std::to_string(base) + " to before " +
+                                    std::to_string(wrong) + " of"});
+    }
 }
 
 TEST(BadFaces, CellsThatAreOpenFlatOrSeveral) {

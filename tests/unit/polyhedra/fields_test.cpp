@@ -2,6 +2,7 @@
 // vertices that move move the centres.
 #include "../query/query_test.h"
 #include "fixtures/poly_dual.h"
+#include "fixtures/subdivided.h"
 
 using namespace insitu;
 using fixtures::CommittedFaces;

@@ -10,6 +10,7 @@
 
 #include "fixtures/polyhedra.h"
 #include "mesh/registered/mesh.h"
+#include "part_fields.h"
 
 /// Meshes whose cells are given by faces, over processes.
 namespace insitu::test {
@@ -54,7 +55,7 @@ struct FacePart {
   std::vector<std::int64_t> cells, global_vertices;
   std::vector<std::uint8_t> bits; ///< [cell], or empty; ghosts come behind the others
   FaceMesh mesh;
-  std::vector<double> p, u, c;
+  PartFields fields;
   fixtures::FaceArrays<> arrays;
 
   /// The cells of a process, and behind them those of others that share a vertex with them.
@@ -139,23 +140,13 @@ struct FacePart {
     to.set_changed(INSITU_CHANGED_GEOMETRY);
   }
   void give_fields(mesh::Mesh& to, double t) {
-    p.clear(), u.clear(), c.clear();
+    fields.begin(cells, t);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
       const Vec3d x{arrays.points[3 * v], arrays.points[3 * v + 1], arrays.points[3 * v + 2]};
-      p.push_back(std::sin(3 * x.x + t) + x.y * x.z);
-      u.insert(u.end(), {-x.y, x.x, 0.1 * std::cos(t)});
+      fields.p.push_back(std::sin(3 * x.x + t) + x.y * x.z);
+      fields.u.insert(fields.u.end(), {-x.y, x.x, 0.1 * std::cos(t)});
     }
-    for (const std::int64_t cell : cells)
-      c.push_back(std::cos(0.1 * double(cell) + t));
-    const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
-                          int components) {
-      const insitu_array array = insitu_array_of(
-          values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
-      to.set_field(0, name, of, &array, 1);
-    };
-    give("p", INSITU_VERTEX, p, 1);
-    give("u", INSITU_VERTEX, u, 3);
-    give("c", INSITU_CELL, c, 1);
+    fields.give(to, 0);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesh/registered/mesh.h"
+#include "part_fields.h"
 #include "unit/flat/flat_meshes.h"
 
 /// Flat meshes over processes.
@@ -17,7 +18,8 @@ using flat_meshes::Flat;
 /// The cells of a mesh that a process has, in their order, with vertices in another order.
 struct FlatPart {
   std::vector<std::int64_t> cells, vertices; ///< of the whole
-  std::vector<double> xy, p, u, c;
+  std::vector<double> xy;
+  PartFields fields;
   std::vector<std::int32_t> ids; ///< padded
 
   FlatPart(const Flat& whole, const std::vector<int>& process, int rank) {
@@ -62,23 +64,13 @@ struct FlatPart {
     to.set_changed(INSITU_CHANGED_GEOMETRY);
   }
   void give_fields(mesh::Mesh& to, double t, double middle) {
-    p.clear(), u.clear(), c.clear();
+    fields.begin(cells, t);
     for (std::size_t v = 0; v < vertices.size(); ++v) {
       const double x = xy[2 * v] - middle, y = xy[2 * v + 1] - middle;
-      p.push_back(std::sin(x + t) + x * y);
-      u.insert(u.end(), {-y, x});
+      fields.p.push_back(std::sin(x + t) + x * y);
+      fields.u.insert(fields.u.end(), {-y, x});
     }
-    for (const std::int64_t cell : cells)
-      c.push_back(std::cos(0.1 * double(cell) + t));
-    const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
-                          int components) {
-      const insitu_array array = insitu_array_of(
-          values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
-      to.set_field(0, name, of, &array, 1);
-    };
-    give("p", INSITU_VERTEX, p, 1);
-    give("u", INSITU_VERTEX, u, 2);
-    give("c", INSITU_CELL, c, 1);
+    fields.give(to, 0);
   }
 };
 

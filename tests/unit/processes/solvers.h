@@ -152,23 +152,13 @@ public:
         block.place(cycle);
         to.set_changed(INSITU_CHANGED_GEOMETRY);
       }
-      block.p.clear(), block.u.clear(), block.c.clear();
+      block.fields.begin(block.cells, t);
       for (std::size_t v = 0; v < block.vertices.size(); ++v) {
         const double* const x = &block.points[3 * v];
-        block.p.push_back(std::sin(3 * x[0] + t) + x[1] * x[2]);
-        block.u.insert(block.u.end(), {2 - x[1], x[0] - 2, 0.1 * std::cos(t)});
+        block.fields.p.push_back(std::sin(3 * x[0] + t) + x[1] * x[2]);
+        block.fields.u.insert(block.fields.u.end(), {2 - x[1], x[0] - 2, 0.1 * std::cos(t)});
       }
-      for (const std::int64_t cell : block.cells)
-        block.c.push_back(std::cos(0.1 * double(cell) + t));
-      const auto give = [&](const char* name, insitu_association of, std::vector<double>& values,
-                            int components) {
-        const insitu_array array = insitu_array_of(
-            values.data(), INSITU_FLOAT64, std::int64_t(values.size()) / components, components);
-        to.set_field(std::int32_t(p), name, of, &array, 1);
-      };
-      give("p", INSITU_VERTEX, block.p, 1);
-      give("u", INSITU_VERTEX, block.u, 3);
-      give("c", INSITU_CELL, block.c, 1);
+      block.fields.give(to, std::int32_t(p));
     }
   }
 
@@ -199,7 +189,8 @@ private:
     }
     int number;
     insitu_block_kind kind;
-    std::vector<double> axes[3], points, p, u, c;
+    std::vector<double> axes[3], points;
+    PartFields fields;
     std::vector<std::int64_t> vertices, cells;
   };
   std::vector<std::unique_ptr<Block>> blocks_;

@@ -9,6 +9,7 @@
 
 #include "cells/kernels/faces.h"
 #include "commit/committed_mesh.h"
+#include "core/random.h"
 #include "geo/chart.h"
 
 namespace insitu::commit {
@@ -137,15 +138,11 @@ private:
     std::uint64_t hash;
     std::int64_t face; ///< 8 times the cell, and its face
   };
-  /// Mixed well (SplitMix64's finalizer an axis), as sums of hashes are compared.
+  /// Mixed well, as sums of hashes are compared.
   static std::uint64_t hash_of(const Vec3d& x) {
-    std::uint64_t hash = 0x9e3779b97f4a7c15u;
-    for (int a = 0; a < 3; ++a) {
-      hash += std::bit_cast<std::uint64_t>(x[a] + 0.0); // both zeros are one
-      hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9u;
-      hash = (hash ^ (hash >> 27)) * 0x94d049bb133111ebu;
-      hash ^= hash >> 31;
-    }
+    std::uint64_t hash = 0;
+    for (int a = 0; a < 3; ++a) // both zeros are one
+      hash = core::splitmix64(hash ^ std::bit_cast<std::uint64_t>(x[a] + 0.0));
     return hash;
   }
 

@@ -225,7 +225,7 @@ std::optional<insitu_amr_info> Adaptive::amr_info() const {
   insitu_amr_info info = insitu_amr_info_default();
   info.leaves = leaves().leaf_count();
   info.masked = leaves().masked_count();
-  info.bytes = leaves().bytes() + std::int64_t(masked_.bytes());
+  info.bytes = std::int64_t(masked_.bytes()) + (leaves_ ? leaves_->bytes() : 0);
   info.build_s = build_s_;
   if (dual_) {
     const amr::DualCounts& counts = dual_->dual().counts();
@@ -235,7 +235,7 @@ std::optional<insitu_amr_info> Adaptive::amr_info() const {
     info.folded = counts.folded;
     info.repaired = counts.repaired;
     info.by_places = dual_->dual().has_gridlets();
-    info.bytes = dual_->dual().bytes() + dual_->places().bytes() + std::int64_t(masked_.bytes());
+    info.bytes += dual_->dual().bytes() + dual_->places().bytes();
   }
   return info;
 }

@@ -104,20 +104,27 @@ static int check_world(const insitu_mpi_world* world, char* message) {
 
 /* Tests the request until the time comes; returns whether it is done. A sleep leaves the core to
  * processes that share it. */
-static int await(MPI_Request* request, double deadline) {
+static int is_done_by(MPI_Request* request, double deadline) {
   const struct timespec pause = {0, 50000};
   for (int polls = 0;; ++polls) {
     int done = 0;
     if (MPI_Test(request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS || done)
       return done;
-    if (MPI_Wtime() > deadline) {
-      MPI_Cancel(request);
-      MPI_Request_free(request);
+    if (MPI_Wtime() > deadline)
       return 0;
-    }
     if (polls > 1000)
       nanosleep(&pause, NULL);
   }
+}
+
+/* The same of a message, which is given up then. */
+static int await(MPI_Request* request, double deadline) {
+  const int done = is_done_by(request, deadline);
+  if (!done && *request != MPI_REQUEST_NULL) {
+    MPI_Cancel(request);
+    MPI_Request_free(request);
+  }
+  return done;
 }
 
 enum { tag_here = 2, tag_verdict = 3, tag_gone = 4 };
@@ -170,30 +177,22 @@ static int wait_for_all(insitu_mpi_world* world, double seconds, int* missing, c
 static int duplicate(MPI_Comm given, double seconds, MPI_Comm* own, char* message) {
   static MPI_Comm made; /* as MPI may write to it after that time */
   static int is_given_up = 0;
-  const struct timespec pause = {0, 50000};
   MPI_Request request = MPI_REQUEST_NULL;
-  const double begin = MPI_Wtime();
   if (is_given_up)
     return fail(INSITU_MPI_ORDER, message,
                 "an opening before waited for a process in vain; the program is to end");
-  int error = MPI_Comm_idup(given, &made, &request), done = 0;
-  for (int polls = 0; error == MPI_SUCCESS && !done; ++polls) {
-    error = seconds > 0 ? MPI_Test(&request, &done, MPI_STATUS_IGNORE)
-                        : MPI_Wait(&request, MPI_STATUS_IGNORE);
-    done = done || seconds <= 0;
-    if (!done && MPI_Wtime() > begin + seconds) {
-      int size = 0;
-      MPI_Comm_size(given, &size);
-      is_given_up = 1;
-      snprintf(message, INSITU_MPI_MESSAGE,
-               "communicator: not all of its %d processes opened a session within %g s "
-               "(INSITU_WAIT)",
-               size, seconds);
-      return INSITU_MPI_ORDER;
-    }
-    if (polls > 1000)
-      nanosleep(&pause, NULL);
+  int error = MPI_Comm_idup(given, &made, &request);
+  if (error == MPI_SUCCESS && seconds > 0 && !is_done_by(&request, MPI_Wtime() + seconds)) {
+    int size = 0;
+    MPI_Comm_size(given, &size);
+    is_given_up = 1;
+    snprintf(message, INSITU_MPI_MESSAGE,
+             "communicator: not all of its %d processes opened a session within %g s (INSITU_WAIT)",
+             size, seconds);
+    return INSITU_MPI_ORDER;
   }
+  if (error == MPI_SUCCESS)
+    error = MPI_Wait(&request, MPI_STATUS_IGNORE);
   if (error != MPI_SUCCESS)
     return failed("MPI_Comm_idup", error, message);
   *own = made;
