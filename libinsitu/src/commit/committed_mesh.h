@@ -258,13 +258,8 @@ public:
   mesh::CellsCopy copy_earlier_cells(const core::Threads& threads) const;
   /// The same of an adaptive mesh, whose cells the other copy leaves out.
   AdaptiveCells copy_earlier_adaptive() const;
-  /// And back, where the cells are others by now. is_part: other processes may have more of them.
-  /// ids: of the cells, if those of all processes have some.
-  void restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
-                            const std::optional<query::ChartImage>& on, bool is_part,
-                            std::vector<std::int64_t> ids, const core::Threads& threads);
-  void restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,
-                            const core::Threads& threads);
+  /// And back, where the cells are others by now: a step from which particles go on to them.
+  void set_earlier_mesh(std::unique_ptr<EarlierMesh> mesh) { earlier_mesh_ = std::move(mesh); }
   const std::optional<query::ChartImage>& earlier_chart() const { return kept_.chart; }
 
 private:

@@ -121,8 +121,7 @@ void CommittedMesh::part_from_earlier(const core::Threads& threads) {
 
 mesh::CellsCopy CommittedMesh::copy_earlier_cells(const core::Threads& threads) const {
   mesh::CellsCopy cells(*memory_);
-  const bool by_ids = (!stand_in_ || lends_parts()) && mesh_.has_global_ids(INSITU_CELL);
-  if (!is_made() && (kept_.with_cells || by_ids))
+  if (!is_made() && (kept_.with_cells || mesh_.has_global_ids(INSITU_CELL)))
     cells.copy(mesh::own_part(mesh_.view()), threads);
   return cells;
 }
@@ -131,23 +130,6 @@ AdaptiveCells CommittedMesh::copy_earlier_adaptive() const {
   const auto* const adaptive = dynamic_cast<const Adaptive*>(stand_in_.get());
   return adaptive && kept_.with_cells ? AdaptiveCells(*adaptive, mesh_.view(), earlier_own_)
                                       : AdaptiveCells();
-}
-
-void CommittedMesh::restore_earlier_mesh(const mesh::EarlierStep& step, mesh::CellsCopy cells,
-                                         const std::optional<query::ChartImage>& on, bool is_part,
-                                         std::vector<std::int64_t> ids,
-                                         const core::Threads& threads) {
-  if (!are_alike(on, chart()))
-    return;
-  earlier_mesh_ = EarlierMesh::restored(step, std::move(cells), on, *memory_, threads);
-  if (earlier_mesh_ && is_part)
-    earlier_mesh_->set_own({earlier_mesh_->sampler().mesh().cell_count(), std::move(ids), {}});
-}
-
-void CommittedMesh::restore_earlier_mesh(EarlierCells cells, CellsKind kind, bool is_part,
-                                         const core::Threads& threads) {
-  if (!chart())
-    earlier_mesh_ = EarlierMesh::restored(std::move(cells), kind, is_part, *memory_, threads);
 }
 
 } // namespace insitu::commit

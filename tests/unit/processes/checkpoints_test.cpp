@@ -276,7 +276,7 @@ TEST(ProcessCheckpoints, WhatIsRefusedIsRefusedByAll) {
   refused(damaged, "it is damaged");
   std::string earlier = good;
   earlier[8] = 6;
-  refused(earlier, "it is of version 6, version 8 expected");
+  refused(earlier, "it is of version 6, version 9 expected");
   std::string other = whole_scene;
   other.replace(other.find("name: heavy"), 11, "name: light");
   refused(good, "'light'", other);

@@ -28,6 +28,20 @@ TestMesh tetrahedra() {
   return make_mesh(options, 5);
 }
 
+/// Particles that begin at vertices in every cycle, also in the last one before the stop: which
+/// cell's corner they are counts in the last digits.
+std::string from_vertices(const TestMesh& mesh) {
+  std::string points;
+  for (std::size_t v = 40; v < mesh.vertices.size() && v < 160; v += 5) {
+    char text[96];
+    std::snprintf(text, sizeof text, "[%.17g, %.17g, %.17g]", mesh.vertices[v].x,
+                  mesh.vertices[v].y, mesh.vertices[v].z);
+    points += (points.empty() ? "" : ", ") + std::string(text);
+  }
+  return "  - {name: corners, velocity: u, kind: streakline, seeds: {points: [" + points +
+         "]}, until: {duration: 0.6}, output: [csv]}\n";
+}
+
 using Cut = std::function<fixtures::Partition(const TestMesh&)>;
 
 /// second: on which the run goes on from the change of cells; none: it does not stop.
@@ -36,7 +50,7 @@ std::map<std::string, std::string> run(const Cut& first, const Cut& second, bool
   const OwnFolder folder;
   const std::string state = folder / "state";
   PartSession::Options options;
-  options.scene = scene;
+  options.scene = scene + from_vertices(before);
   options.ids = ids;
   options.folder = folder / "out";
   const auto go = [&](const Cut& cut, int from, int to) {
@@ -96,6 +110,12 @@ std::map<std::string, std::string> places_of(const std::map<std::string, std::st
   return places;
 }
 
+/// Without ids the cell of the lowest process counts at a corner.
+std::map<std::string, std::string> without_corners(std::map<std::string, std::string> files) {
+  files.erase("corners.csv");
+  return places_of(files);
+}
+
 } // namespace
 
 TEST(ProcessOtherCells, FilesAreThoseOfOneProcessWithoutAStop) {
@@ -109,8 +129,10 @@ TEST(ProcessOtherCells, FilesAreThoseOfOneProcessWithoutAStop) {
   const Cut rootless = [](const TestMesh& mesh) { return fixtures::empty_root(mesh, 2); };
   for (const auto& [first, second] :
        {std::pair(slabs(1), slabs(1)), std::pair(slabs(1), boxes), std::pair(slabs(2), slabs(2)),
-        std::pair(boxes, slabs(3)), std::pair(slabs(3), slabs(1)), std::pair(rootless, dealt)}) {
+        std::pair(boxes, slabs(3)), std::pair(slabs(3), slabs(1)), std::pair(rootless, dealt),
+        std::pair(dealt, slabs(1))}) {
     expect_same(expected, run(first, second, true), "with ids");
-    expect_same(places_of(expected), places_of(run(first, second, false)), "without ids");
+    expect_same(without_corners(expected), without_corners(run(first, second, false)),
+                "without ids");
   }
 }

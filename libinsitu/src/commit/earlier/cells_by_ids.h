@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,14 +9,14 @@
 #include "parallel/world.h"
 
 /// Cells that are known by their global ids, whichever process has them, of meshes whose cells are
-/// the solver's, or parts of these: cells here are those of CommittedMesh::lent_view().
+/// the solver's, copies or parts of these: cells here are those of CommittedMesh::mesh().view().
 namespace insitu::commit {
 
-/// Whether the cells of this process have ids: global ids, and of polyhedra such as leave room for
-/// the number of a part.
+/// Whether the cells of this process have ids: global ids, and where others stand in for the
+/// solver's such as leave room for the number of a part or a copy.
 bool are_known_by_ids(const CommittedMesh& mesh);
-/// By which a cell is known in files, and between processes: its global id, and of a part of a
-/// polyhedron with the number of the part.
+/// By which a cell is known in files, and between processes: its global id, where others stand in
+/// for the solver's with the number of the polyhedron's part or the copy on a chart.
 std::int64_t id_of_cell(const CommittedMesh& mesh, std::int64_t flat);
 
 /// Finds this process's cells by their ids.
@@ -28,35 +27,26 @@ public:
   std::int64_t find(const CellName& name) const;
 
 private:
-  bool of_parts_;
+  bool stand_in_;
   std::vector<std::pair<std::int64_t, std::int64_t>> cells_; ///< ascending
 };
 
 /// The ids of this process's cells, ghosts among them; none if it has no such ids.
 std::vector<std::int64_t> ids_of_cells(const CommittedMesh& mesh);
+/// Where these cells are of the solver's, if some are in copies on charts; else nothing.
+std::vector<StandIn::Place> places_of_cells(const CommittedMesh& mesh);
+
+/// Visits the cells of own pieces that own points: visit(flat id).
+template <class Visit>
+void for_each_owner(const mesh::MeshView& view, Visit&& visit) {
+  for (std::int32_t p = 0; p < view.piece_count - view.halo_piece_count; ++p)
+    for (std::int64_t c = 0; c < view.pieces[p].cell_count; ++c)
+      if (view.pieces[p].owns(c))
+        visit(view.first_cell[p] + c);
+}
 
 /// A sum over the cells that this process owns of hashes of their ids, shapes and their vertices'
 /// ids, if these have some. Over all processes it wraps to the same number however cells are dealt.
 std::uint64_t sum_of_cells(const CommittedMesh& mesh, const core::Threads& threads);
-
-/// A step that was kept, on its own cells, of some of a mesh's cells.
-struct StepPart {
-  const mesh::EarlierStep* step;
-  const mesh::MeshView* cells;
-  std::span<const std::int64_t> ids; ///< [cell]
-};
-
-/// The fields of a step, without values, of the first process that has some (mine not null).
-/// Collective; throws parallel::AgreedError.
-mesh::EarlierStep fields_of_all(const mesh::EarlierStep* mine, parallel::World& world);
-
-/// Brings a step on cells of all processes to the processes that have these cells now. parts: what
-/// this process has of it, some or none; each cell is in one part, of some process. step: has the
-/// fields of fields_of_all(), and becomes that of the mesh's own cells, with room for a halo behind
-/// them; vertices of no own cell have zeros and stand where they are now. Returns false on all
-/// processes alike if cells or fields are others: an id is missing, a shape is another, or cells
-/// with a vertex in common do not agree on its place. Collective; throws parallel::AgreedError.
-bool deal_by_ids(std::span<const StepPart> parts, const CommittedMesh& mesh, parallel::World& world,
-                 mesh::EarlierStep& step);
 
 } // namespace insitu::commit

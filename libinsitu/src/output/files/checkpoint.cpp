@@ -13,7 +13,7 @@ namespace insitu::output {
 namespace {
 
 constexpr std::string_view magic = "INSITUCP";
-constexpr std::uint32_t version = 8, byte_order = 0x01020304;
+constexpr std::uint32_t version = 9, byte_order = 0x01020304;
 constexpr std::size_t longest_name = 255;
 constexpr std::size_t most_read = std::size_t(1) << 20; ///< bytes that are looked at together
 

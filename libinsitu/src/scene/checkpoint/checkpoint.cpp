@@ -194,8 +194,8 @@ void Runner::take_up_meshes(MeshList meshes) {
     for (commit::CommittedMesh* mesh : meshes) {
       if (mesh->mesh().name() != kept.name || lies_on_device(*mesh, world))
         continue;
-      const KeptCells::By by =
-          kept.restore(*mesh, world, environment_.context.threads, environment_.context.log);
+      const KeptCells::By by = kept.restore(*mesh, world, environment_.context.memory,
+                                            environment_.context.threads, environment_.context.log);
       world.agree_after([&] {
         const auto cells = std::make_shared<const KeptCells>(by, *mesh, world.rank());
         for (const auto& action : actions_)

@@ -23,17 +23,18 @@ mesh::CellName kept_name(const commit::CommittedMesh& mesh, std::int64_t flat, i
   const mesh::MeshView& view = mesh.mesh().view();
   if (flat < 0 || flat >= view.cell_count())
     return {};
+  const commit::StandIn* const stand_in = mesh.stand_in();
+  const bool is_made = stand_in && stand_in->is_made();
   if (flat >= view.own_cell_count())
-    return mesh.lends_parts() ? mesh.located_name(flat) : mesh.name(flat); // of the halo
+    return is_made ? mesh.name(flat) : mesh.located_name(flat); // of the halo
   const std::int32_t piece = view.piece_of(flat);
   mesh::CellName name{-1, rank, piece, flat - view.first_cell[piece]};
-  if (!mesh.stand_in())
-    name.global = mesh.mesh().global_id(INSITU_CELL, flat);
-  else if (mesh.lends_parts()) {
-    const commit::StandIn::Place at = mesh.stand_in()->place(flat);
-    name.global = mesh.mesh().global_id(INSITU_CELL, at.own);
-    name.copy = at.copy;
-  }
+  if (is_made)
+    return name;
+  const commit::StandIn::Place at = stand_in ? stand_in->place(flat) : commit::StandIn::Place{flat};
+  name.global = mesh.mesh().global_id(INSITU_CELL, at.own);
+  name.chart = at.chart;
+  name.copy = at.copy;
   return name;
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "commit/earlier/dealt_step.h"
 #include "mesh/registered/earlier_parts.h"
 #include "scene/run/own_cell.h"
 
@@ -77,19 +78,6 @@ std::uint64_t hash_of(const mesh::AmrView& mesh, insitu_reconstruction how,
   return mix(hash, std::uint64_t(how));
 }
 
-/// Copies what is kept of own cells to the processes that have these in their halo.
-void fill_halo(mesh::EarlierStep& step, const commit::CommittedMesh& mesh, parallel::World& world) {
-  if (!mesh.halo())
-    return;
-  const auto numbers = [](std::vector<math::Vec3d>& points) {
-    return std::span<double>(points.empty() ? nullptr : &points.front().x, 3 * points.size());
-  };
-  mesh.halo()->refresh_values(mesh, world, numbers(step.points), INSITU_VERTEX, 3);
-  for (mesh::EarlierStep::Field& field : step.fields)
-    for (std::vector<double>& values : field.steps)
-      mesh.halo()->refresh_values(mesh, world, values, field.association, field.components);
-}
-
 } // namespace
 
 KeptPart::KeptPart(const commit::CommittedMesh& mesh, core::Memory& memory,
@@ -104,6 +92,7 @@ KeptPart::KeptPart(const commit::CommittedMesh& mesh, core::Memory& memory,
   cells = mesh.copy_earlier_cells(threads);
   adaptive = mesh.copy_earlier_adaptive();
   ids = commit::ids_of_cells(mesh);
+  places = commit::places_of_cells(mesh);
 }
 
 /// As cells of one shape have the same numbers in many parts, their ids and places are looked at.
@@ -132,6 +121,7 @@ void KeptPart::keep(core::Archive& archive) {
   cells.keep(archive);
   adaptive.keep(archive);
   archive.array("global ids", ids);
+  archive.array("places", places);
   bool has_chart = chart.has_value();
   archive.value("has a chart", has_chart);
   if (!has_chart)
@@ -155,22 +145,57 @@ struct KeptMesh::Found {
   bool has_ids;   ///< and ids of these
 };
 
+/// Collective.
+KeptMesh::Charts KeptMesh::look_at_charts(const commit::CommittedMesh& mesh,
+                                          parallel::World& world) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double least[9]; // of each number of a chart, of its negative; 0: there are cells on none
+  std::ranges::fill(least, infinity);
+  const auto add = [&](const query::ChartImage* chart) {
+    if (!chart) {
+      least[8] = 0.0;
+      return;
+    }
+    const int units = chart->units.radians | chart->units.kilometres << 1 | chart->units.down << 2;
+    const double numbers[] = {chart->west, chart->north_from, chart->south_from, double(units)};
+    for (std::size_t i = 0; i < 4; ++i) {
+      least[i] = std::min(least[i], numbers[i]);
+      least[4 + i] = std::min(least[4 + i], -numbers[i]);
+    }
+  };
+  if (mesh.mesh().own_view().own_cell_count() > 0)
+    add(mesh.stand_in() ? mesh.stand_in()->chart() : nullptr);
+  for (const Part& part : parts)
+    if (!part.kept.step.fields.empty())
+      add(part.kept.chart ? &*part.kept.chart : nullptr);
+  world.reduce(std::span(least), parallel::Reduction::least);
+  const bool any = least[3] < infinity, none = least[8] == 0.0;
+  const auto is_same = [&](std::size_t i) { return least[i] == -least[4 + i]; };
+  if (!any)
+    return Charts::same;
+  if (none || !is_same(3))
+    return Charts::others;
+  return is_same(0) && is_same(1) && is_same(2) ? Charts::same : Charts::of_the_same_units;
+}
+
 KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::World& world,
                                   const core::Threads& threads) const {
   const bool by_ids = name_cells(mesh.mesh(), world).global;
+  const Charts charts = look_at_charts(mesh, world);
   // Other cells; cells without ids here, and there; fields; adaptive; lost cells.
   std::int64_t any[6] = {};
   std::int64_t sums[2] = {};
   world.agree_after([&] {
     any[0] = world.size() != processes ||
              (!parts.empty() && !parts.front().kept.is_of(mesh, world.size() > 1, threads));
-    any[1] = !by_ids || (mesh.mesh().own_view().own_cell_count() > 0 && !are_known_by_ids(mesh));
+    any[1] = !by_ids || charts != Charts::same ||
+             (mesh.mesh().own_view().own_cell_count() > 0 && !are_known_by_ids(mesh));
     any[4] = mesh.mesh().is_adaptive();
     sums[0] = std::int64_t(commit::sum_of_cells(mesh, threads));
     for (const Part& part : parts) {
       any[2] = any[2] || (!part.kept.step.fields.empty() && part.kept.ids.empty());
       any[3] = any[3] || !part.kept.step.fields.empty();
-      any[5] = any[5] || part.kept.lacks_cells() || (part.kept.chart && world.size() > 1);
+      any[5] = any[5] || part.kept.lacks_cells() || charts == Charts::others;
       sums[1] = std::int64_t(std::uint64_t(sums[1]) + part.kept.sum);
     }
   });
@@ -181,7 +206,9 @@ KeptMesh::Found KeptMesh::look_at(const commit::CommittedMesh& mesh, parallel::W
 }
 
 KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& world,
-                                const core::Threads& threads, const core::Log& log) {
+                                core::Memory& memory, const core::Threads& threads,
+                                const core::Log& log) {
+  mesh.update_chart(world, threads, log); // that of all cells, as it was when they were kept
   const Found found = look_at(mesh, world, threads);
   if (found.has_step && world.size() > 1)
     mesh.update_halo(world, threads, log); // to which the step is to fit
@@ -197,13 +224,12 @@ KeptCells::By KeptMesh::restore(commit::CommittedMesh& mesh, parallel::World& wo
   if (found.same_ids && (!found.has_step || restore_by_ids(mesh, world)))
     return KeptCells::By::ids;
   if (found.has_cells)
-    world.agree_after([&] { restore_other_cells(mesh, world.size() > 1, found.has_ids, threads); });
+    restore_other_cells(mesh, found.has_ids, world, memory, threads);
   else if (found.has_step && world.size() > 1 && world.is_root())
     log.warning("mesh '" + name +
                 "': its cells are not known again after the restart, as they are not those of as "
-                "many processes in the same order (which a mesh in longitude and latitude needs "
-                "with global ids, too); particles go through their first interval by the velocity "
-                "at its end");
+                "many processes in the same order; particles go through their first interval by "
+                "the velocity at its end");
   return KeptCells::By::nothing;
 }
 
@@ -232,7 +258,7 @@ void KeptMesh::restore_by_numbers(commit::CommittedMesh& mesh, bool is_adaptive,
   if (is_unfit)
     return;
   if (!is_adaptive)
-    fill_halo(step, mesh, world);
+    commit::fill_halo(mesh, world, step);
   world.agree_after([&] {
     if (mine)
       mesh.mesh().set_earlier(step);
@@ -253,7 +279,7 @@ bool KeptMesh::restore_by_ids(commit::CommittedMesh& mesh, parallel::World& worl
   });
   if (!commit::deal_by_ids(steps, mesh, world, step))
     return false;
-  fill_halo(step, mesh, world);
+  commit::fill_halo(mesh, world, step);
   world.agree_after([&] {
     if (mesh.mesh().own_view().own_cell_count() > 0)
       mesh.mesh().set_earlier(step);
@@ -261,10 +287,38 @@ bool KeptMesh::restore_by_ids(commit::CommittedMesh& mesh, parallel::World& worl
   return true;
 }
 
-/// On the checkpoint's cells. is_part: other processes have other parts. by_ids: of several cells
-/// that hold a place the lowest id counts.
-void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part, bool by_ids,
-                                   const core::Threads& threads) {
+/// Puts the parts of a mesh that is not adaptive together in the first one. Returns what the step's
+/// cells are. by_ids: known by.
+commit::EarlierMesh::Own KeptMesh::join_parts(bool by_ids) {
+  const bool has_places =
+      std::ranges::any_of(parts, [](const Part& part) { return !part.kept.places.empty(); });
+  commit::EarlierMesh::Own own;
+  for (Part& part : parts) {
+    KeptPart& kept = part.kept;
+    const std::int64_t first = own.cells;
+    own.cells += kept.cells.on(kept.step.points.data()).cell_count();
+    if (by_ids)
+      own.global.insert(own.global.end(), kept.ids.begin(), kept.ids.end());
+    for (std::int64_t flat = first; flat < own.cells && has_places; ++flat) {
+      commit::StandIn::Place place{flat};
+      if (!kept.places.empty()) {
+        place = kept.places[std::size_t(flat - first)];
+        place.own += first;
+      }
+      own.places.push_back(place);
+    }
+    if (&part == &parts.front())
+      continue;
+    mesh::append(parts.front().kept.step, kept.step);
+    parts.front().kept.cells.append(kept.cells);
+  }
+  return own;
+}
+
+/// The step of this process's parts on the cells of these; or null. by_ids: these are known by.
+std::unique_ptr<commit::EarlierMesh> KeptMesh::on_its_cells(bool by_ids, bool is_part,
+                                                            core::Memory& memory,
+                                                            const core::Threads& threads) {
   std::vector<commit::EarlierCells> adaptive;
   auto kind = commit::CellsKind::cells;
   for (const Part& part : parts)
@@ -273,18 +327,30 @@ void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool is_part, bo
       adaptive.push_back(part.kept.adaptive.with(part.kept.step, part.process));
     }
   if (!adaptive.empty())
-    return mesh.restore_earlier_mesh(commit::EarlierCells::joined(adaptive), kind, is_part,
-                                     threads);
+    return commit::EarlierMesh::restored(commit::EarlierCells::joined(adaptive), kind, is_part,
+                                         memory, threads);
   if (!some_step())
-    return;
-  KeptPart& first = parts.front().kept;
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    mesh::append(first.step, parts[i].kept.step);
-    first.cells.append(parts[i].kept.cells);
-    first.ids.insert(first.ids.end(), parts[i].kept.ids.begin(), parts[i].kept.ids.end());
-  }
-  mesh.restore_earlier_mesh(first.step, std::move(first.cells), first.chart, is_part,
-                            by_ids ? std::move(first.ids) : std::vector<std::int64_t>(), threads);
+    return nullptr;
+  commit::EarlierMesh::Own own = join_parts(by_ids);
+  KeptPart& joined = parts.front().kept;
+  std::unique_ptr<commit::EarlierMesh> mesh = commit::EarlierMesh::restored(
+      joined.step, std::move(joined.cells), joined.chart, memory, threads);
+  if (mesh)
+    mesh->set_own(std::move(own));
+  return mesh;
+}
+
+/// On the checkpoint's cells. by_ids: of several cells that hold a place the lowest id counts, as
+/// it did on the processes that wrote it.
+void KeptMesh::restore_other_cells(commit::CommittedMesh& mesh, bool by_ids, parallel::World& world,
+                                   core::Memory& memory, const core::Threads& threads) {
+  std::unique_ptr<commit::EarlierMesh> before;
+  world.agree_after([&] { before = on_its_cells(by_ids, world.size() > 1, memory, threads); });
+  if (world.size() == 1 && parts.size() > 1 && by_ids && before && !mesh.mesh().is_adaptive())
+    before = commit::EarlierMesh::gathered(before.get(), mesh.tree(),
+                                           mesh.stand_in() ? mesh.stand_in()->chart() : nullptr,
+                                           world, memory, threads);
+  world.agree_after([&] { mesh.set_earlier_mesh(std::move(before)); });
 }
 
 std::uint64_t fingerprint(const commit::CommittedMesh& mesh, const core::Threads& threads) {

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "commit/committed_mesh.h"
 #include "commit/earlier/adaptive_cells.h"
+#include "commit/earlier/earlier_mesh.h"
 #include "core/archive.h"
 #include "mesh/box.h"
 #include "mesh/registered/cells_copy.h"
@@ -31,7 +33,9 @@ struct KeptPart {
   mesh::EarlierStep step;                 ///< of own cells
   mesh::CellsCopy cells;                  ///< those of the step, or none
   commit::AdaptiveCells adaptive;         ///< those of an adaptive mesh's step
-  std::vector<std::int64_t> ids;          ///< the global ids of the step's cells, or none
+  std::vector<std::int64_t> ids;          ///< the ids of the step's cells, or none
+  /// Of copies on a chart: of which of the solver's cells the step's are.
+  std::vector<commit::StandIn::Place> places;
   std::optional<query::ChartImage> chart; ///< of a geodetic mesh: where its cells are
 
   /// Whether the mesh has these cells, by their numbers. is_part: of several processes.
@@ -57,18 +61,24 @@ struct KeptMesh {
   /// that they had, where as many processes have the same ones; else by their global ids; else on
   /// the checkpoint's cells, from which particles go on to the mesh's. Returns how cells are known,
   /// and tells the log what is lost. Collective; throws parallel::AgreedError.
-  KeptCells::By restore(commit::CommittedMesh& mesh, parallel::World& world,
+  KeptCells::By restore(commit::CommittedMesh& mesh, parallel::World& world, core::Memory& memory,
                         const core::Threads& threads, const core::Log& log);
 
 private:
+  /// How the charts on which steps were kept go with the one on which the mesh is.
+  enum class Charts { others, of_the_same_units, same };
   struct Found;
   Found look_at(const commit::CommittedMesh& mesh, parallel::World& world,
                 const core::Threads& threads) const;
   const mesh::EarlierStep* some_step() const;
+  Charts look_at_charts(const commit::CommittedMesh& mesh, parallel::World& world) const;
   void restore_by_numbers(commit::CommittedMesh& mesh, bool is_adaptive, parallel::World& world);
   bool restore_by_ids(commit::CommittedMesh& mesh, parallel::World& world);
-  void restore_other_cells(commit::CommittedMesh& mesh, bool is_part, bool by_ids,
-                           const core::Threads& threads);
+  void restore_other_cells(commit::CommittedMesh& mesh, bool by_ids, parallel::World& world,
+                           core::Memory& memory, const core::Threads& threads);
+  std::unique_ptr<commit::EarlierMesh> on_its_cells(bool by_ids, bool is_part, core::Memory& memory,
+                                                    const core::Threads& threads);
+  commit::EarlierMesh::Own join_parts(bool by_ids);
 };
 
 /// A hash of the shapes and vertices of own cells in their order (FNV-1a), of an adaptive mesh of
