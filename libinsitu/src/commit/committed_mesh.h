@@ -63,6 +63,10 @@ public:
   /// other, in the diameter of a face: 0 to SeamMismatches::most_tolerance, of which 0 tells none.
   /// The same on all processes; counts from the next halo on that other cells ask for.
   double seam_tolerance = 1e-6;
+  /// A text in which all fields are named whose values cells of the halo have, of meshes that are
+  /// not adaptive; null: all fields. Of others they have NaN.
+  std::shared_ptr<const std::string> names_of_lent_fields;
+  bool lends_field(const std::string& name) const;
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild (of a mesh that is
   /// spread over processes once somebody asks the tree, or with its halo); geometry -> refit, or

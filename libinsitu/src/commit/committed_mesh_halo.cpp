@@ -70,6 +70,11 @@ bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t othe
   return mesh_.located_name(flat) < mesh_.located_name(other);
 }
 
+bool CommittedMesh::lends_field(const std::string& name) const {
+  return !names_of_lent_fields || mesh_.is_adaptive() ||
+         names_of_lent_fields->find(name) != std::string::npos;
+}
+
 void CommittedMesh::join_sides(const PeriodicAxes& sides) {
   for (std::size_t a = 0; a < sides.size(); ++a)
     if (sides[a] && !sides_[a]) {

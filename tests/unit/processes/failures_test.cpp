@@ -72,6 +72,43 @@ TEST(ProcessFailures, FieldsThatSomeProcessesHave) {
   expect_same(files(false), files(true), "fields that some processes have");
 }
 
+/// They are in tables of all fields, and in no message: those of the halo are as many bytes as
+/// without them.
+TEST(ProcessFailures, FieldsThatTheSceneDoesNotNameStayWhereTheyAre) {
+  const TestMesh whole = jittered_cubes(4);
+  const PartSession::Options options =
+      with("probes: [{name: all, points: {box: {min: [0, 0, 0], max: [4, 4, 4], counts: [5, 5, "
+           "5]}}, output: [csv]}]\n"
+           "tracers: [{name: t, velocity: u, fields: [p], output: [csv], seeds: {box: {min: "
+           "[0.5, 0.5, 0.5], max: [3.5, 3.5, 3.5], counts: [4, 4, 4]}}}]\n"
+           "frames: [{name: f, size: [24, 24], isosurfaces: [{field: p, values: [2], normals: "
+           "smooth, color: {field: \"\\x63\"}}]}]\n", // an escaped c
+           "");
+  std::atomic<std::int64_t> sent{0};
+  const auto files = [&](int processes, int more) {
+    sent = 0;
+    return run_parts(whole, fixtures::boxes(whole, processes), options,
+                     [&](PartSession& process, parallel::World&) {
+                       for (int cycle = 0; cycle < 3; ++cycle) {
+                         for (int i = 0; i < more; ++i)
+                           process.part().give_field(process.mesh().mesh(),
+                                                     "species" + std::to_string(i), INSITU_VERTEX,
+                                                     1, WholeFields(whole, cycle + i).p);
+                         EXPECT_EQ(process.execute(cycle), "");
+                       }
+                       if (const commit::Halo* const halo = process.mesh().halo())
+                         sent += halo->bytes_sent();
+                     });
+  };
+  const auto expected = files(1, 9);
+  expect_same(expected, files(4, 9), "nine fields more");
+  const std::int64_t with_more = sent;
+  EXPECT_NE(expected.at("all.csv").find("species8"), std::string::npos);
+  files(4, 0);
+  EXPECT_GT(sent, 0);
+  EXPECT_EQ(sent, with_more);
+}
+
 /// Others' cells are in its halo.
 TEST(ProcessFailures, AVelocityThatOneProcessLacks) {
   run(probe + "tracers: [{name: t, velocity: u, output: [csv], seeds: {points: [[1, 1, 1]]}}]\n",

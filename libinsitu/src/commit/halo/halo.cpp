@@ -215,6 +215,7 @@ void Halo::refresh_fields(const CommittedMesh& mesh, parallel::World& world) {
       world,
       [&](std::vector<ByteWriter>& to) {
         std::vector<std::string> names = mesh.mesh().field_names();
+        std::erase_if(names, [&](const std::string& name) { return !mesh.lends_field(name); });
         std::ranges::sort(names);
         std::string list;
         for (const std::string& name : names)

@@ -56,7 +56,7 @@ public:
                    const core::Threads& threads);
   /// Collective: copies the vertices again, which moved. Throws parallel::AgreedError, as all here.
   void refresh_points(const CommittedMesh& mesh, parallel::World& world);
-  /// Collective: copies the values of all fields.
+  /// Collective: copies the values of the fields that the mesh lends (lends_field()).
   void refresh_fields(const CommittedMesh& mesh, parallel::World& world);
   /// Collective: gives numbers that each process has at its own cells, or at the vertices of them,
   /// to those that have copies of these. values: [flat item of the view][component]; those of the

@@ -224,6 +224,7 @@ struct RecordOptions {
 struct SceneDescription {
   std::string file;                  ///< path of the scene file, for messages
   std::string text;                  ///< what was parsed
+  std::string words;                 ///< its keys and scalars, one after the other
   std::vector<std::string> warnings; ///< warnings of the parser, such as keys that were retired
   std::string output = "out";        ///< output folder, relative to the working directory
   LocatorOptions locator;

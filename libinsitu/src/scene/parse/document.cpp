@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 #include <unordered_map>
 #include <yaml-cpp/eventhandler.h>
@@ -184,6 +185,24 @@ void check_text(std::string_view text, const std::string& file) {
 }
 
 } // namespace
+
+std::string words_of(const YamlNode& root) {
+  std::string words;
+  std::set<const YamlNode*> seen; // aliases are shared
+  const auto add = [&](const auto& self, const YamlNode& node) -> void {
+    if (!seen.insert(&node).second)
+      return;
+    words += node.text + "\n";
+    for (const YamlNodePtr& item : node.items)
+      self(self, *item);
+    for (const YamlNode::Entry& entry : node.entries) {
+      words += entry.key + "\n";
+      self(self, *entry.value);
+    }
+  };
+  add(add, root);
+  return words;
+}
 
 YamlNodePtr read_document(std::string_view text, const std::string& file) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") {

@@ -40,4 +40,7 @@ constexpr std::size_t most_nodes = 1 << 20;       ///< aliases expanded
 /// enclosing node, keys that are not scalars, and for what goes beyond the limits above.
 YamlNodePtr read_document(std::string_view text, const std::string& file);
 
+/// All keys and scalars, one line each.
+std::string words_of(const YamlNode& root);
+
 } // namespace insitu::scene

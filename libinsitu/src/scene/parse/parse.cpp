@@ -76,6 +76,7 @@ SceneDescription parse_scene_text(std::string_view text, const std::string& name
   SceneDescription scene;
   scene.file = name;
   scene.text = text;
+  scene.words = words_of(*root);
   const MapReader map(Cursor(*root, "", problems),
                       {"insitu", "output", "page", "locator", "seam_tolerance", "checkpoint",
                        "record", "hold", "every", "when", "probes", "tracers", "frames"});

@@ -21,8 +21,10 @@ Runner::Runner(const SceneDescription& scene, const std::string& given, core::Co
       table_(scene.frames, given.empty() ? scene.output : given),
       environment_{context,     world,  statistics, structures_,
                    reductions_, table_, scene.file, given.empty() ? scene.output : given},
-      locator_(scene.locator), seam_tolerance_(scene.seam_tolerance), checkpoint_(scene.checkpoint),
-      record_(scene.record), scene_text_(scene.text), records_(context, world, statistics) {
+      locator_(scene.locator), seam_tolerance_(scene.seam_tolerance),
+      words_(scene.words.empty() ? nullptr : std::make_shared<const std::string>(scene.words)),
+      checkpoint_(scene.checkpoint), record_(scene.record), scene_text_(scene.text),
+      records_(context, world, statistics) {
   if (locator_.choice.backend || locator_.choice.method) { // what can never be had is said at once
     try {
       query::pick_locator(locator_.choice, false);

@@ -88,6 +88,9 @@ public:
 
   const LocatorOptions& locator() const { return locator_; }
   double seam_tolerance() const { return seam_tolerance_; }
+  /// All texts of the scene, so also the names of all fields that it asks for but for probes of all
+  /// fields, which own cells alone answer. Null of the default scene.
+  const std::shared_ptr<const std::string>& words() const { return words_; }
   const std::string& output() const { return environment_.output; }
 
 private:
@@ -142,6 +145,7 @@ private:
   Environment environment_;
   LocatorOptions locator_;
   double seam_tolerance_;
+  std::shared_ptr<const std::string> words_;
   std::vector<std::unique_ptr<Action>> actions_;
   std::vector<ProbeAction*> probes_; ///< of the actions
   std::map<std::string, std::set<std::string>>
