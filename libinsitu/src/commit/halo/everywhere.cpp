@@ -6,6 +6,7 @@
 
 #include "commit/committed_mesh.h"
 #include "commit/nearest.h"
+#include "parallel/parcels.h"
 
 namespace insitu::commit {
 
@@ -102,19 +103,17 @@ Everywhere::Answers Everywhere::ask(std::span<const Vec3d> points, RanksOf ranks
   std::vector<Parcel> questions;
   world_.agree_after([&] {
     all.items.resize(processes);
-    std::vector<ByteWriter> to(processes);
+    std::vector<std::vector<Vec3d>> to(processes);
     std::vector<int> ranks;
     for (std::size_t i = 0; i < points.size(); ++i) {
       ranks.clear();
       ranks_of(points[i], ranks);
       for (const int r : ranks) {
         all.items[std::size_t(r)].push_back(std::uint32_t(i));
-        to[std::size_t(r)].value(points[i]);
+        to[std::size_t(r)].push_back(points[i]);
       }
     }
-    for (std::size_t r = 0; r < processes; ++r)
-      if (!to[r].empty())
-        questions.push_back({int(r), to[r].bytes()});
+    questions = parallel::parcels_of(to);
   });
   questions = world_.exchange(questions);
   world_.agree_after([&] {
@@ -141,25 +140,39 @@ std::vector<std::byte> Everywhere::answer(std::span<const Vec3d> points,
                                           std::span<const std::string> names,
                                           const query::LocateOptions& options,
                                           const core::Threads& threads) {
-  std::vector<query::Location> at(points.size());
-  std::vector<std::uint8_t> reasons(points.size());
   const query::Sampler sampler = mesh_.own_sampler();
-  sampler.locate(threads, points, at, options, reasons);
   const std::vector<mesh::FieldView> fields = fields_here(names);
-  ByteWriter to;
-  const auto is_here = [&](std::size_t i) { return at[i] && sampler.mesh().is_own(at[i].cell); };
-  for (std::size_t i = 0; i < points.size(); ++i)
-    to.value(std::uint8_t(is_here(i)));
-  std::vector<double> values(width_of(fields));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!is_here(i))
-      continue;
-    sampler.interpolate(fields, at[i], values.data());
-    to.value(owner_of(mesh_, at[i].cell, mesh_.own(at[i], points[i]), query::Reason(reasons[i]),
-                      world_.rank()));
-    to.array(std::span<const double>(values));
+  std::vector<OwnerOfAll> owners(points.size());
+  std::vector<std::vector<double>> values; // [field]
+  std::vector<double*> to;
+  for (const mesh::FieldView& field : fields) {
+    values.emplace_back(points.size() * std::size_t(field.components));
+    to.push_back(values.back().data());
   }
-  return to.bytes();
+  sampler.visit(threads, points, options, [&](const query::Answered& answered) {
+    for (std::size_t k = 0; k < answered.locations.size(); ++k) {
+      const query::Location& at = answered.locations[k];
+      const std::size_t i = answered.item(k);
+      if (at && sampler.mesh().is_own(at.cell))
+        owners[i] =
+            owner_of(mesh_, at.cell, mesh_.own(at, points[i]), answered.reasons[k], world_.rank());
+    }
+    if (!fields.empty())
+      sampler.interpolate(fields, answered, 0, to.data());
+  });
+  ByteWriter out;
+  for (const OwnerOfAll& owner : owners)
+    out.value(std::uint8_t(bool(owner)));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!owners[i])
+      continue;
+    out.value(owners[i]);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      const auto n = std::size_t(fields[f].components);
+      out.array(std::span<const double>(values[f]).subspan(i * n, n));
+    }
+  }
+  return out.bytes();
 }
 
 void Everywhere::sample_slice(std::size_t first, std::span<const Vec3d> points,
