@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <vector>
 
 namespace insitu::catalyst {
 
@@ -18,9 +17,9 @@ bool is_scene(const std::string& path) {
   return ends_in(path, ".yaml") || ends_in(path, ".yml");
 }
 
-Options options_of(const Node& catalyst) {
+Options options_of(const Node& catalyst, const std::string& scene) {
   Options o;
-  o.scene = scene_of(catalyst);
+  o.scene = scene.empty() ? scene_of(catalyst) : scene;
   o.default_scene = o.scene.empty();
   if (const Node communicator = catalyst.find("mpi_comm"))
     o.fortran_communicator = static_cast<int>(communicator.integer());
@@ -80,8 +79,8 @@ std::string scene_of(const Node& catalyst) {
   return found;
 }
 
-Run::Run(const Node& catalyst) {
-  const Options options = options_of(catalyst);
+Run::Run(const Node& catalyst, const std::string& scene) {
+  const Options options = options_of(catalyst, scene);
   try {
     session_.emplace(options);
     const Node answers = catalyst.find("insitu/answers");
@@ -142,7 +141,7 @@ void Run::take_clock(const Node& catalyst) {
     time_ = static_cast<double>(cycle_);
 }
 
-bool Run::execute(const Node& catalyst) {
+std::optional<Error> Run::give_channels(const Node& catalyst) {
   take_clock(catalyst);
   for (auto& [name, channel] : channels_)
     channel->present = false;
@@ -157,6 +156,24 @@ bool Run::execute(const Node& catalyst) {
   for (auto& [name, channel] : channels_)
     if (!channel->present) // its arrays may be gone
       channel->attachment.update({}, {"", channel->adaptive, {}});
+  return wrong;
+}
+
+void Run::give(const Node& catalyst) {
+  if (const std::optional<Error> wrong = give_channels(catalyst))
+    throw *wrong;
+}
+
+std::vector<std::pair<std::string, Mesh>> Run::meshes() {
+  std::vector<std::pair<std::string, Mesh>> out;
+  for (const auto& [name, channel] : channels_)
+    if (channel->present)
+      out.emplace_back(name, session_->mesh(name));
+  return out;
+}
+
+bool Run::execute(const Node& catalyst) {
+  const std::optional<Error> wrong = give_channels(catalyst);
   const bool all_well = session_->execute(cycle_, time_);
   if (wrong)
     throw *wrong;
