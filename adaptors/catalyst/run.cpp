@@ -95,16 +95,17 @@ void Run::say_once(const std::string& text) {
     say("warning: ", text);
 }
 
-void Run::attach(const std::string& mesh, const Node& data, const Node& channel, bool adaptive) {
+void Run::attach(const std::string& mesh, const Node& data,
+                 const blueprint::Attachment::Options& options) {
   std::unique_ptr<Channel>& c = channels_[mesh];
   const bool fresh = !c;
   if (fresh) {
     c = std::make_unique<Channel>(session_->mesh(mesh).handle());
-    c->adaptive = adaptive;
+    c->adaptive = options.adaptive;
   }
   try {
     c->present = true;
-    c->attachment.update(data, {"", adaptive, channel});
+    c->attachment.update(data, options);
     for (const std::string& line : c->attachment.left_out())
       say_once("left out: " + line);
   } catch (const Error& e) {
@@ -115,15 +116,23 @@ void Run::attach(const std::string& mesh, const Node& data, const Node& channel,
   }
 }
 
+void Run::attach_all(const std::string& mesh, const Node& data, const Node& channel) {
+  attach(mesh, data, {"", false, false, channel});
+  for (const std::string& topology : blueprint::other_topologies_of(data))
+    attach(mesh + "/" + topology, data, {topology, true, false, channel});
+}
+
 void Run::attach_channel(const Node& channel) {
   const Node type_node = channel.find("type");
   const std::string type = type_node ? type_node.text() : "mesh";
   const Node data = channel.find("data");
-  if (type == "mesh" || type == "amrmesh") {
-    attach(channel.name(), data, channel, type == "amrmesh");
+  if (type == "mesh") {
+    attach_all(channel.name(), data, channel);
+  } else if (type == "amrmesh") {
+    attach(channel.name(), data, {"", false, true, channel});
   } else if (type == "multimesh") {
     for (std::int64_t i = 0; i < data.size(); ++i)
-      attach(channel.name() + "/" + data.child(i).name(), data.child(i), channel, false);
+      attach_all(channel.name() + "/" + data.child(i).name(), data.child(i), channel);
   } else {
     say_once(type_node.path() + " is " + type + "; mesh, multimesh and amrmesh are supported");
   }
@@ -155,7 +164,7 @@ std::optional<Error> Run::give_channels(const Node& catalyst) {
     }
   for (auto& [name, channel] : channels_)
     if (!channel->present) // its arrays may be gone
-      channel->attachment.update({}, {"", channel->adaptive, {}});
+      channel->attachment.update({}, {"", false, channel->adaptive, {}});
   return wrong;
 }
 

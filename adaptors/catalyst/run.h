@@ -53,8 +53,11 @@ private:
     bool present = false; ///< in this call
   };
   /// A channel's data, or a block of it.
-  void attach(const std::string& mesh, const blueprint::Node& data, const blueprint::Node& channel,
-              bool adaptive);
+  void attach(const std::string& mesh, const blueprint::Node& data,
+              const blueprint::Attachment::Options& options);
+  /// A channel's data, or a block of it, with a mesh for each further topology.
+  void attach_all(const std::string& mesh, const blueprint::Node& data,
+                  const blueprint::Node& channel);
   void attach_channel(const blueprint::Node& channel);
   /// Returns the error of a channel that is wrong.
   std::optional<Error> give_channels(const blueprint::Node& catalyst);
