@@ -13,6 +13,7 @@
 
 #include "catalyst/run.h"
 #include "check.h"
+#include "dump_arrays.h"
 #include "options.h"
 #include "read.h"
 #include "runs/runs_of_others.h"
@@ -268,9 +269,12 @@ namespace {
 /// One call: the dumps of all processes, and their channels as one tree.
 class Call {
 public:
-  explicit Call(const std::vector<std::string>& paths) {
-    for (const std::string& path : paths)
+  Call(const std::vector<std::string>& paths, DumpArrays& arrays) {
+    for (const std::string& path : paths) {
       dumps_.push_back(read_dump(path));
+      if (arrays.take(dumps_.back()->tree, dumps_.size() - 1))
+        dumps_.back()->bytes = {};
+    }
     if (dumps_.size() == 1)
       return;
     for (std::size_t p = 0; p < dumps_.size(); ++p)
@@ -334,18 +338,20 @@ bool replay_dumps(const ReplayOptions& options) {
       calls.initialize.empty() ? std::make_unique<Dump>() : read_dump(calls.initialize[0]);
   change_start(options, first->tree);
   const Node start = Call::catalyst_of(first->tree);
-  std::unique_ptr<Call> before, call; // as long as the session may read their arrays
+  DumpArrays arrays;                  // as long as the session may read them
+  std::unique_ptr<Call> before, call; // and what these hold
   insitu::catalyst::Run run(start, options.scene);
   bool well = true;
   for (const std::vector<std::string>& paths : calls.executes)
     try {
-      call = std::make_unique<Call>(paths);
+      call = std::make_unique<Call>(paths, arrays);
       if (options.check || options.plan) {
         run.give(call->catalyst());
         well = look_at(options, run, start, calls.executes.size());
         break;
       }
       well = run.execute(call->catalyst()) && well;
+      arrays.forget_replaced();
       before = std::move(call);
     } catch (const insitu::Error& e) {
       throw FileError(paths.front(), e.what());

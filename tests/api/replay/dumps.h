@@ -54,8 +54,9 @@ private:
 
 /// Dumps of calls, in the test's folder.
 struct DumpReplay : Replay {
-  std::string dump_of(int call, int process, int processes) const {
-    return path("execute_invc" + std::to_string(call) + "_params.conduit_bin." +
+  /// in: a folder within it, such as "one/".
+  std::string dump_of(int call, int process, int processes, const std::string& in = "") const {
+    return path(in + "execute_invc" + std::to_string(call) + "_params.conduit_bin." +
                 std::to_string(processes) + "." + std::to_string(process));
   }
 };
