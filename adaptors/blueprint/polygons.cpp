@@ -100,18 +100,57 @@ private:
     const std::size_t n = ring.size();
     const Point mean{mean_of(n, [&](std::size_t i) { return at[i].x; }),
                      mean_of(n, [&](std::size_t i) { return at[i].y; })};
-    const std::int64_t made = d_.vertex_count + cuts_.made();
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < n; ++i)
       if (!(twice_area(mean, at[i], at[(i + 1) % n]) > 0))
-        cell.elements->refuse(INSITU_ERROR_MESH,
-                              "has the cell " + std::to_string(cell.number) + " of " +
-                                  std::to_string(n) +
-                                  " vertices, which is not seen whole from the mean of them, so it "
-                                  "cannot be cut into triangles");
+        return cut_ears(cell, ring, at);
+    const std::int64_t made = d_.vertex_count + cuts_.made();
+    for (std::size_t i = 0; i < n; ++i)
       give(cell.number, {made, ring[i], ring[(i + 1) % n]});
-    }
     cuts_.ring_ids.insert(cuts_.ring_ids.end(), ring.begin(), ring.end());
     cuts_.ring_offsets.push_back(static_cast<std::int64_t>(cuts_.ring_ids.size()));
+  }
+
+  /// Whether the triangle at a vertex of a polygon lies within it and holds none of its others.
+  static bool is_ear(const std::vector<Point>& at, std::size_t i) {
+    const std::size_t n = at.size(), before = (i + n - 1) % n, after = (i + 1) % n;
+    const Point &a = at[before], &b = at[i], &c = at[after];
+    if (!(twice_area(a, b, c) > 0))
+      return false;
+    for (std::size_t k = 0; k < n; ++k)
+      if (k != before && k != i && k != after && twice_area(a, b, at[k]) >= 0 &&
+          twice_area(b, c, at[k]) >= 0 && twice_area(c, a, at[k]) >= 0)
+        return false;
+    return true;
+  }
+
+  /// Cuts a polygon by diagonals, vertex by vertex.
+  void cut_ears(const CellLists::Cell& cell, Ring ring, std::vector<Point> at) {
+    constexpr std::size_t most = 256; // as the work grows by the third power
+    const std::size_t all = ring.size();
+    const auto refuse = [&] {
+      cell.elements->refuse(
+          INSITU_ERROR_MESH,
+          "has the cell " + std::to_string(cell.number) + " of " + std::to_string(all) +
+              " vertices, which cannot be cut into triangles: its sides cross, or it is not seen "
+              "whole from the mean of its vertices and has more than " +
+              std::to_string(most));
+    };
+    if (all > most)
+      refuse();
+    while (ring.size() > 3) {
+      std::size_t ear = 0;
+      while (ear < ring.size() && !is_ear(at, ear))
+        ++ear;
+      if (ear == ring.size())
+        refuse();
+      const std::size_t n = ring.size();
+      give(cell.number, {ring[(ear + n - 1) % n], ring[ear], ring[(ear + 1) % n]});
+      ring.erase(ring.begin() + std::ptrdiff_t(ear));
+      at.erase(at.begin() + std::ptrdiff_t(ear));
+    }
+    if (!(twice_area(at[0], at[1], at[2]) > 0))
+      refuse();
+    give(cell.number, ring);
   }
 
   const Domain& d_;

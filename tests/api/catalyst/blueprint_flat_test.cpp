@@ -349,7 +349,65 @@ TEST_F(PolygonsOfBlueprint, ThatCannotBeAreNamed) {
                  "elements/sizes is missing");
   std::swap(p.ids[std::size_t(p.starts[5])], p.ids[std::size_t(p.starts[5]) + 2]);
   expect_refused(node_of(p), INSITU_ERROR_MESH,
-                 "elements has the cell 5 of 6 vertices, which is not seen whole");
+                 "elements has the cell 5 of 6 vertices, which cannot be cut into triangles");
+}
+
+/// A comb, whose mean lies between its teeth, with vertices of its neighbours on its sides; cut by
+/// diagonals, so that nothing is made but triangles.
+TEST_F(PolygonsOfBlueprint, ThatAreNotSeenWholeFromTheirMeans) {
+  std::vector<double> x, y, f;
+  const auto vertex = [&](double at_x, double at_y) {
+    x.push_back(at_x), y.push_back(at_y), f.push_back(at_x - 2 * at_y);
+    return std::int32_t(x.size() - 1);
+  };
+  constexpr int teeth = 4;
+  std::vector<std::int32_t> comb, ids, sizes;
+  std::vector<std::vector<std::int32_t>> gaps;
+  comb.push_back(vertex(0, 0));
+  comb.push_back(vertex(2 * teeth - 1, 0));
+  for (int t = teeth - 1; t >= 0; --t) { // from the right, with a vertex in the middle of each side
+    comb.push_back(vertex(2 * t + 1, 3));
+    comb.push_back(vertex(2 * t, 3));
+    if (t == 0)
+      break;
+    const std::int32_t high = comb.back(), middle = vertex(2 * t, 2), low = vertex(2 * t, 1),
+                       other = vertex(2 * t - 1, 1), top = std::int32_t(x.size());
+    comb.insert(comb.end(), {middle, low, other});
+    gaps.push_back({other, low, middle, high, top}); // whose last one comes next
+  }
+  const auto add = [&](const std::vector<std::int32_t>& ring) {
+    ids.insert(ids.end(), ring.begin(), ring.end());
+    sizes.push_back(int(ring.size()));
+  };
+  for (const bool turned : {false, true}) {
+    ids.clear(), sizes.clear();
+    add(turned ? std::vector<std::int32_t>(comb.rbegin(), comb.rend()) : comb);
+    for (const auto& gap : gaps)
+      add(gap);
+    std::vector<double> number{0, 1, 2, 3};
+    TestNode node;
+    add_topology(node, "explicit", "unstructured");
+    node.set("coordsets/coords/values/x", x).set("coordsets/coords/values/y", y);
+    const std::string e = elements;
+    node.set(e + "shape", "polygonal").set(e + "connectivity", ids).set(e + "sizes", sizes);
+    node.set("fields/f/association", "vertex").set("fields/f/values", f);
+    node.set("fields/number/association", "element").set("fields/number/values", number);
+    expect_attached(node);
+    std::vector<double> points, cells;
+    for (int j = 0; j <= 12; ++j)
+      for (int i = 0; i <= 4 * (2 * teeth - 1); ++i) {
+        points.insert(points.end(), {0.25 * i, 0.25 * j, 0});
+        const bool in_gap = i / 4 % 2 == 1 && i % 4 > 0 && j > 4; // gaps lie over 1 to 2, ...
+        cells.push_back(in_gap ? double(teeth - 1 - i / 8) : 0.0);
+      }
+    Mesh mesh = session_.mesh("mesh");
+    const Samples values = mesh.sample("f", points), of_cells = mesh.sample("number", points);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      ASSERT_TRUE(values.found[i]) << points[3 * i] << " " << points[3 * i + 1];
+      EXPECT_NEAR(values(i), points[3 * i] - 2 * points[3 * i + 1], 4e-14);
+      EXPECT_EQ(of_cells(i), cells[i]) << points[3 * i] << " " << points[3 * i + 1];
+    }
+  }
 }
 
 } // namespace
