@@ -155,6 +155,26 @@ std::vector<std::string> check_run(insitu::Session& session, const NamedMeshes& 
   return problems_of(plan);
 }
 
+bool validate_meshes(const NamedMeshes& meshes, const std::string& file) {
+  bool well = true;
+  for (const auto& [name, mesh] : meshes) {
+    const insitu::Validation v = insitu::Mesh(mesh).validate();
+    const insitu_validation& c = v.counts;
+    std::cout << file << ": " << (v.accepted ? "accepted" : "refused") << ", "
+              << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
+              << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
+              << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
+              << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
+              << c.split_faces << " quads against other faces, " << c.hanging_vertices
+              << " vertices on faces or edges of other cells, " << c.covered_vertices
+              << " inside other cells\n";
+    if (!v.accepted)
+      std::cout << v.findings << "\n";
+    well = well && v.accepted;
+  }
+  return well;
+}
+
 std::string text_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

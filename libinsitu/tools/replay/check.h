@@ -21,6 +21,10 @@ std::vector<std::string> check_run(insitu::Session& session, const NamedMeshes& 
                                    std::size_t steps, const std::string& scene_text,
                                    const std::string& folder);
 
+/// Prints what is found in meshes of a file, a line each and more for those that are refused;
+/// returns whether none is.
+bool validate_meshes(const NamedMeshes& meshes, const std::string& file);
+
 /// The text of a file; "" where there is none.
 std::string text_of(const std::string& path);
 

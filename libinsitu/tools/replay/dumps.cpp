@@ -305,10 +305,10 @@ void change_start(const ReplayOptions& options, Tree& start) {
 }
 
 void refuse_other_options(const ReplayOptions& options) {
-  if (options.validate || options.reverse || options.preview || options.separate_pieces ||
-      !options.probe.empty() || !options.blanks.empty() || !options.summary.empty())
+  if (options.reverse || options.preview || options.separate_pieces || !options.probe.empty() ||
+      !options.blanks.empty() || !options.summary.empty())
     throw UsageError("dumps of Catalyst's calls are replayed with --scene, --out, --threads, "
-                     "--strict, --check and --plan alone");
+                     "--strict, --check, --plan and --validate alone");
 }
 
 /// Prints the plan of a run of which the first call was given, or its dry run; true if no item is
@@ -350,7 +350,12 @@ bool replay_dumps(const ReplayOptions& options) {
         well = look_at(options, run, start, calls.executes.size());
         break;
       }
-      well = run.execute(call->catalyst()) && well;
+      if (options.validate) {
+        run.give(call->catalyst());
+        well = validate_meshes(run.meshes(), paths.front()) && well;
+      } else {
+        well = run.execute(call->catalyst()) && well;
+      }
       arrays.forget_replaced();
       before = std::move(call);
     } catch (const insitu::Error& e) {

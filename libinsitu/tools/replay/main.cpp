@@ -303,26 +303,7 @@ private:
 
   bool validate(std::size_t s) {
     progress_.clear();
-    bool well = true;
-    for (const auto& [name, mesh] : meshes())
-      well = validate(mesh, steps_[s].files.front()) && well;
-    return well;
-  }
-
-  bool validate(insitu::Mesh mesh, const std::string& name) {
-    const insitu::Validation v = mesh.validate();
-    const insitu_validation& c = v.counts;
-    std::cout << name << ": " << (v.accepted ? "accepted" : "refused") << ", "
-              << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
-              << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
-              << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
-              << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
-              << c.split_faces << " quads against other faces, " << c.hanging_vertices
-              << " vertices on faces or edges of other cells, " << c.covered_vertices
-              << " inside other cells\n";
-    if (!v.accepted)
-      std::cout << v.findings << "\n";
-    return v.accepted;
+    return validate_meshes(meshes(), steps_[s].files.front());
   }
 
   const ReplayOptions& options_;
@@ -356,7 +337,7 @@ int run(int argc, char** argv) {
       return done;
     }
     if (are_dumps(options.files))
-      return replay_dumps(options) ? done : skipped;
+      return replay_dumps(options) ? done : options.validate ? failed : skipped;
     silence_vtk();
     return Replay(options).run();
   } catch (const insitu::catalyst::Logged&) {

@@ -93,6 +93,33 @@ TEST_F(Dumps, CheckIsADryRun) {
   EXPECT_EQ(o.code, 2) << o.err;
 }
 
+/// Every call's meshes are looked at; one that is refused is told, and the exit code is 1.
+TEST_F(Dumps, AreValidated) {
+  Outcome o = run("--validate .");
+  EXPECT_EQ(o.code, 0) << o.err;
+  const std::string line = "_params.conduit_bin.2.0: accepted, 4 cells, 0 ghost, 0 inverted";
+  for (int cycle = 0; cycle < 11; ++cycle)
+    EXPECT_NE(o.out.find("execute_invc" + std::to_string(cycle) + line), std::string::npos)
+        << o.out;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  TestNode node;
+  const std::string data = "catalyst/channels/grid/data/";
+  std::vector<double> xyz{0, 1, 0, 0};
+  std::vector<std::int32_t> ids{0, 1, 2, 9};
+  for (const char* axis : {"x", "y", "z"})
+    node.set(data + "coordsets/c/values/" + axis, xyz);
+  node.set(data + "coordsets/c/type", "explicit").set(data + "topologies/t/coordset", "c");
+  node.set(data + "topologies/t/type", "unstructured");
+  node.set(data + "topologies/t/elements/shape", "tet");
+  node.set(data + "topologies/t/elements/connectivity", ids);
+  DumpWriter(node, dump_of(11, 0, 1));
+  o = run("--validate .");
+  EXPECT_EQ(o.code, 1) << o.err;
+  EXPECT_NE(o.out.find("execute_invc11_params.conduit_bin.1.0: refused"), std::string::npos)
+      << o.out;
+  EXPECT_NE(o.out.find("cell 0: vertex 3 has id 9, 0 to 3 expected"), std::string::npos) << o.out;
+}
+
 /// Misspelt fields, meshes and keys are named, with the nearest name.
 TEST_F(Dumps, CheckNamesWhatIsMisspelt) {
   const auto expect = [&](const std::string& probe, int code, const std::string& text) {
