@@ -153,6 +153,22 @@ insitu_array block_of(insitu_array array, const std::array<std::int64_t, 3>& ext
   return array;
 }
 
+double value_of(const insitu_array& array, std::int64_t item, int component) {
+  const std::int64_t value = bytes_of(array.type),
+                     apart = array.component_stride != 0 ? array.component_stride : value,
+                     step = array.stride[0] != 0 ? array.stride[0] : value * array.components;
+  const char* const at = static_cast<const char*>(array.data) + item * step + component * apart;
+  const auto as = [&](auto number) {
+    std::memcpy(&number, at, sizeof number);
+    return static_cast<double>(number);
+  };
+  return array.type == INSITU_UINT8     ? as(std::uint8_t{})
+         : array.type == INSITU_INT32   ? as(std::int32_t{})
+         : array.type == INSITU_INT64   ? as(std::int64_t{})
+         : array.type == INSITU_FLOAT32 ? as(float{})
+                                        : as(double{});
+}
+
 bool is_same_view(const insitu_array& a, const insitu_array& b) {
   return a.data == b.data && a.type == b.type && a.components == b.components &&
          a.count == b.count && std::equal(a.extent, a.extent + 3, b.extent) &&

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -20,6 +21,12 @@ public:
     T* out = reinterpret_cast<T*>(memory.get());
     memory_.push_back(std::move(memory));
     return out;
+  }
+  /// A copy of numbers as an array of one component.
+  insitu_array array(const std::vector<std::int64_t>& values) {
+    auto* out = make<std::int64_t>(static_cast<std::int64_t>(values.size()));
+    std::copy(values.begin(), values.end(), out);
+    return insitu_array_of(out, INSITU_INT64, static_cast<std::int64_t>(values.size()), 1);
   }
 
 private:
@@ -43,6 +50,9 @@ std::vector<insitu_array> components(const Node& values, Copies& copies);
 insitu_array block_of(insitu_array array, const std::array<std::int64_t, 3>& extent,
                       const std::array<std::int64_t, 3>& offset,
                       const std::array<std::int64_t, 3>& stride);
+
+/// A component of an array's item, of any type of number.
+double value_of(const insitu_array& array, std::int64_t item, int component);
 
 /// Whether both view the same memory in the same way.
 bool is_same_view(const insitu_array& a, const insitu_array& b);

@@ -28,9 +28,22 @@ void sort_by_id(std::vector<Domain>& domains) {
                                            "/state/domain_id is");
 }
 
+/// Calls with the tree itself, or with each of its domains.
+template <class F>
+void for_domains(const Node& data, F&& f) {
+  if (data.find("coordsets") || data.find("topologies"))
+    f(data);
+  else
+    for (std::int64_t i = 0; i < data.size(); ++i)
+      if (const Node domain = data.child(i); domain.size() > 0)
+        f(domain);
+}
+
 std::vector<Domain> read_domains(const Node& data, const Attachment::Options& options) {
   std::vector<Domain> out;
   const auto add = [&](const Node& mesh) {
+    if (options.lacking && !mesh.find("topologies/" + options.topology))
+      return;
     out.push_back(read_domain(mesh, options.topology, options.channel));
     if (!options.adaptive)
       return;
@@ -44,12 +57,7 @@ std::vector<Domain> read_domains(const Node& data, const Attachment::Options& op
                        std::to_string(INSITU_AMR_MOST_LEVELS - 1) + " are supported");
     out.back().windows = read_nestsets(mesh, out.back().topology, out.back().dimensions);
   };
-  if (data.find("coordsets") || data.find("topologies"))
-    add(data);
-  else
-    for (std::int64_t i = 0; i < data.size(); ++i)
-      if (const Node domain = data.child(i); domain.size() > 0)
-        add(domain);
+  for_domains(data, add);
   sort_by_id(out);
   return out;
 }
@@ -110,6 +118,18 @@ void keep_cells(Domain& now, const Domain& before) {
   now.cell_copies = before.cell_copies;
 }
 
+/// Takes the copies of a step before where coordinates were the same.
+void keep_points(Domain& now, const Domain& before) {
+  const auto is_copy = [](const insitu_array& a) { return a.converted != nullptr; };
+  if (now.points.empty() || now.geometry_print != before.geometry_print ||
+      now.points.size() != before.points.size() ||
+      !std::all_of(now.points.begin(), now.points.end(), is_copy) ||
+      !std::all_of(before.points.begin(), before.points.end(), is_copy))
+    return;
+  now.points = before.points;
+  now.point_copies = before.point_copies;
+}
+
 /// A piece without cells, which adds nothing.
 Domain empty_domain() {
   Domain d;
@@ -120,6 +140,16 @@ Domain empty_domain() {
 }
 
 } // namespace
+
+std::vector<std::string> other_topologies_of(const Node& data) {
+  std::vector<std::string> out;
+  for_domains(data, [&](const Node& mesh) {
+    for (std::string& name : other_topologies(mesh))
+      if (std::find(out.begin(), out.end(), name) == out.end())
+        out.push_back(std::move(name));
+  });
+  return out;
+}
 
 void keep_common_fields(std::vector<Domain>& domains, std::vector<std::string>& left_out) {
   const auto components = [](const Field& f) {
@@ -189,8 +219,10 @@ void Attachment::read_and_give(const Node& data, const Options& options) {
       check(insitu_mesh_amr(mesh_, &lattice_));
   }
   const auto count = static_cast<std::int32_t>(domains_.size());
-  for (std::size_t p = 0; was_given && p < std::min(domains_.size(), earlier_.size()); ++p)
+  for (std::size_t p = 0; was_given && p < std::min(domains_.size(), earlier_.size()); ++p) {
     keep_cells(domains_[p], earlier_[p]);
+    keep_points(domains_[p], earlier_[p]);
+  }
   for (std::int32_t p = 0; p < count; ++p)
     give(p, domains_[static_cast<std::size_t>(p)],
          was_given && static_cast<std::size_t>(p) < earlier_.size()

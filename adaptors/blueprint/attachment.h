@@ -16,6 +16,7 @@ public:
 
   struct Options {
     std::string topology; ///< its name; empty: the first one of cells with volume
+    bool lacking = false; ///< domains may lack the topology, and then add nothing
     bool adaptive = false;
     Node channel; ///< where metadata of fields may stand too; null: nowhere
   };
@@ -46,6 +47,10 @@ private:
   insitu_amr lattice_ = insitu_amr_default();
   std::vector<std::int32_t> ratios_;
 };
+
+/// The names of topologies of a tree's domains beside those that are read of them without a name
+/// given: other_topologies() of any domain.
+std::vector<std::string> other_topologies_of(const Node& data);
 
 /// Takes out what some domain with cells lacks, or has in another shape: a field is on all of the
 /// mesh. Says which.

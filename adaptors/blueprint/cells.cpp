@@ -2,36 +2,12 @@
 #include <map>
 
 #include "domain.h"
+#include "lists.h"
+#include "shapes.h"
 
 namespace insitu::blueprint {
 
 namespace {
-
-struct ShapeName {
-  const char* name;
-  int dimensions;
-  std::uint8_t vtk; ///< its number there
-  int ids;          ///< 0: any number
-};
-
-constexpr ShapeName known_shapes[] = {
-    {"point", 0, 1, 1},     {"line", 1, 3, 2},       {"tri", 2, 5, 3},  {"quad", 2, 9, 4},
-    {"polygonal", 2, 7, 0}, {"tet", 3, 10, 4},       {"hex", 3, 12, 8}, {"wedge", 3, 13, 6},
-    {"pyramid", 3, 14, 5},  {"polyhedral", 3, 42, 0}};
-
-const ShapeName* shape_of(const std::string& name) {
-  for (const ShapeName& s : known_shapes)
-    if (name == s.name)
-      return &s;
-  return nullptr;
-}
-
-[[noreturn]] void refuse_shape(const Node& node, const std::string& name) {
-  node.refuse(INSITU_ERROR_UNSUPPORTED,
-              "is '" + name +
-                  "'; tet, hex, wedge, pyramid, mixed and polyhedral are supported, and tri and "
-                  "quad in one plane");
-}
 
 void read_one_shape(const Node& elements, Domain& d) {
   const Node shape_node = elements.at("shape");
@@ -64,40 +40,6 @@ void read_one_shape(const Node& elements, Domain& d) {
   d.cells.count = d.cell_count = all.count;
 }
 
-/// A shape of a map, by the number that the map gives it; null for one that no mixed cell may be,
-/// which a map may name all the same.
-struct Mapped {
-  std::int64_t number;
-  const ShapeName* shape;
-  std::string name;
-};
-using Shapes = std::vector<Mapped>; ///< a handful
-
-Shapes shapes_of(const Node& map) {
-  Shapes out;
-  for (std::int64_t i = 0; i < map.size(); ++i) {
-    const Node entry = map.child(i);
-    const std::string name = entry.name();
-    const ShapeName* shape = shape_of(name);
-    out.push_back({entry.integer(), shape && shape->vtk != 42 ? shape : nullptr, name});
-  }
-  return out;
-}
-
-const ShapeName& shape_at(const Node& node, const Leaf& numbers, std::int64_t cell,
-                          const Shapes& shapes) {
-  const std::int64_t number = numbers.integer(cell);
-  for (const Mapped& m : shapes) {
-    if (m.number != number)
-      continue;
-    if (!m.shape)
-      refuse_shape(node, m.name);
-    return *m.shape;
-  }
-  node.refuse(INSITU_ERROR_ARGUMENT, "of cell " + std::to_string(cell) + " is " +
-                                         std::to_string(number) + ", which is not in shape_map");
-}
-
 /// VTK's numbers of the cells' shapes, in place where they are these already; the library then
 /// finds what is no number of a shape.
 void read_types(const Node& elements, Domain& d) {
@@ -108,45 +50,24 @@ void read_types(const Node& elements, Domain& d) {
   const Shapes shapes = shapes_of(elements.at("shape_map"));
   bool in_place = leaf.type == Conduit::uint8 && leaf.stride == 1;
   for (const Mapped& m : shapes)
-    in_place =
-        in_place && m.shape && m.number == m.shape->vtk && m.shape->dimensions == d.dimensions;
+    in_place = in_place && m.shape && m.number == m.shape->vtk && m.shape->ids > 0 &&
+               m.shape->dimensions == d.dimensions;
   if (in_place) {
     d.cells.types = insitu_array_of(leaf.data, INSITU_UINT8, leaf.count, 1);
     return;
   }
+  d.cell_count = leaf.count;
   auto* types = d.cell_copies->make<std::uint8_t>(leaf.count);
   std::map<std::string, std::int64_t> lower;
   for (std::int64_t c = 0; c < leaf.count; ++c) {
     const ShapeName& shape = shape_at(node, leaf, c, shapes);
     types[c] = shape.vtk;
-    if (shape.dimensions == d.dimensions && shape.ids == 0)
-      refuse_shape(node, shape.name);
     if (shape.dimensions < d.dimensions)
       ++lower[shape.name];
   }
   d.cells.types = insitu_array_of(types, INSITU_UINT8, leaf.count, 1);
   d.cells.types.converted = "shapes have other numbers than VTK's, or other types";
-  for (const auto& [name, number] : lower)
-    d.left_out.push_back(elements.path() + ": " + std::to_string(number) + " cells of shape " +
-                         name + (d.dimensions == 3 ? " have no volume" : " have no area"));
-  if (lower.empty())
-    return;
-  auto* ghosts = d.cell_copies->make<std::uint8_t>(leaf.count); // they keep their numbers
-  for (std::int64_t c = 0; c < leaf.count; ++c)
-    ghosts[c] = types[c] < (d.dimensions == 3 ? INSITU_TETRAHEDRON : INSITU_TRIANGLE) ? 32 : 0;
-  d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, leaf.count, 1);
-  d.ghosts->converted =
-      d.dimensions == 3 ? "cells without volume are hidden" : "cells without area are hidden";
-}
-
-/// The sizes of items, which are counts.
-Leaf sizes_of(const Node& sizes) {
-  const Leaf leaf = sizes.leaf();
-  for (std::int64_t i = 0; i < leaf.count; ++i)
-    if (const std::int64_t size = leaf.integer(i); size < 0 || size > INT32_MAX)
-      sizes.refuse(INSITU_ERROR_ARGUMENT,
-                   "of item " + std::to_string(i) + " is " + std::to_string(size));
-  return leaf;
+  hide_lower(elements, lower, types, d);
 }
 
 /// The sums of a relation's sizes, from 0 on: one more than there are sizes.
@@ -235,8 +156,6 @@ Places read_places(const Node& relation, std::int64_t ids_count, Copies& copies)
 void read_polyhedra(const Node& topology, Domain& d) {
   d.kind = Domain::Kind::faces;
   const Node elements = topology.at("elements"), faces = topology.at("subelements");
-  if (faces.at("shape").text() != "polygonal")
-    refuse_shape(faces.at("shape"), faces.at("shape").text());
   d.faces.form = INSITU_FACES_CELLS;
   d.faces.vertices = ids(faces.at("connectivity"), *d.cell_copies);
   const Places of_faces = read_places(faces, d.faces.vertices.count, *d.cell_copies);
@@ -248,18 +167,92 @@ void read_polyhedra(const Node& topology, Domain& d) {
   d.faces.cell_count = d.cell_count = of_cells.items;
 }
 
+/// Whether one of the cells has the shape: of mixed ones not only the map names it.
+bool has_cells_of(const Node& topology, const std::string& shape) {
+  const auto has = [&](const Node& elements) {
+    const std::string own = elements.at("shape").text();
+    if (own != "mixed")
+      return own == shape;
+    const Node number = elements.at("shape_map").find(shape);
+    if (!number)
+      return false;
+    const std::int64_t wanted = number.integer();
+    const Leaf numbers = elements.at("shapes").leaf();
+    for (std::int64_t c = 0; c < numbers.count; ++c)
+      if (numbers.integer(c) == wanted)
+        return true;
+    return false;
+  };
+  const Node elements = topology.at("elements");
+  if (elements.find("shape"))
+    return has(elements);
+  for (std::int64_t i = 0; i < elements.size(); ++i)
+    if (has(elements.child(i)))
+      return true;
+  return false;
+}
+
+/// A list of topologies of one shape each as mixed cells.
+void read_list(const Node& topology, Domain& d) {
+  const CellLists lists(topology);
+  d.cells.layout = INSITU_LAYOUT_MIXED;
+  d.cells.count = d.cell_count = lists.count();
+  auto* types = d.cell_copies->make<std::uint8_t>(d.cell_count);
+  auto* offsets = d.cell_copies->make<std::int64_t>(d.cell_count + 1);
+  std::vector<std::int64_t> ids;
+  std::map<std::string, std::int64_t> lower;
+  offsets[0] = 0;
+  lists.for_each([&](const CellLists::Cell& cell) {
+    types[cell.number] = cell.shape->vtk;
+    if (cell.shape->dimensions < d.dimensions)
+      ++lower[cell.shape->name];
+    ids.insert(ids.end(), cell.ids.begin(), cell.ids.end());
+    offsets[cell.number + 1] = static_cast<std::int64_t>(ids.size());
+  });
+  constexpr const char* reason = "a list of topologies of one shape each";
+  d.cells.types = insitu_array_of(types, INSITU_UINT8, d.cell_count, 1);
+  d.cells.offsets = insitu_array_of(offsets, INSITU_INT64, d.cell_count + 1, 1);
+  d.cells.connectivity = d.cell_copies->array(ids);
+  for (insitu_array* a : {&d.cells.types, &d.cells.offsets, &d.cells.connectivity})
+    a->converted = reason;
+  hide_lower(topology.at("elements"), lower, types, d);
+}
+
 } // namespace
 
-int dimensions_of(const std::string& shape) {
-  const ShapeName* known = shape_of(shape);
-  return known ? known->dimensions : -1;
+void hide_lower(const Node& elements, const std::map<std::string, std::int64_t>& lower,
+                const std::uint8_t* types, Domain& d) {
+  for (const auto& [name, number] : lower)
+    d.left_out.push_back(elements.path() + ": " + std::to_string(number) + " cells of shape " +
+                         name + (d.dimensions == 3 ? " have no volume" : " have no area"));
+  if (lower.empty())
+    return;
+  const std::int64_t cells = d.cell_count;
+  auto* ghosts = d.cell_copies->make<std::uint8_t>(cells); // they keep their numbers
+  for (std::int64_t c = 0; c < cells; ++c)
+    ghosts[c] = types[c] < (d.dimensions == 3 ? INSITU_TETRAHEDRON : INSITU_TRIANGLE) ? 32 : 0;
+  d.ghosts = insitu_array_of(ghosts, INSITU_UINT8, cells, 1);
+  d.ghosts->converted =
+      d.dimensions == 3 ? "cells without volume are hidden" : "cells without area are hidden";
 }
 
 void read_cells(const Node& topology, Domain& d) {
   d.kind = Domain::Kind::cells;
   const Node elements = topology.at("elements");
-  if (elements.at("shape").text() == "polyhedral")
-    return read_polyhedra(topology, d);
+  const bool is_list = !elements.find("shape");
+  if (has_cells_of(topology, "polyhedral")) {
+    const Node faces = topology.at("subelements");
+    const std::string shape = faces.at("shape").text();
+    const bool is_given = faces.find("sizes") || faces.find("offsets");
+    if (!is_list && elements.at("shape").text() == "polyhedral" && is_given &&
+        (shape == "polygonal" || shape == "mixed"))
+      return read_polyhedra(topology, d);
+    return read_polyhedra_among_others(topology, d);
+  }
+  if (d.dimensions == 2 && has_cells_of(topology, "polygonal"))
+    return read_polygons(topology, d);
+  if (is_list)
+    return read_list(topology, d);
   if (elements.at("shape").text() != "mixed")
     return read_one_shape(elements, d);
   d.cells.layout = INSITU_LAYOUT_MIXED;

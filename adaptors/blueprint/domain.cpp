@@ -21,6 +21,17 @@ std::int64_t count_of(const Node& node) {
   return n;
 }
 
+int dimensions_of_elements(const Node& elements) {
+  const std::string shape = elements.at("shape").text();
+  if (shape != "mixed")
+    return blueprint::dimensions_of(shape);
+  int most_dimensions = 0;
+  const Node map = elements.at("shape_map");
+  for (std::int64_t i = 0; i < map.size(); ++i)
+    most_dimensions = std::max(most_dimensions, blueprint::dimensions_of(map.child(i).name()));
+  return most_dimensions;
+}
+
 /// How many dimensions the cells of a topology have, as far as the tree tells; -1: unknown.
 int dimensions_of(const Node& mesh, const Node& topology) {
   const std::string type = topology.at("type").text();
@@ -28,16 +39,13 @@ int dimensions_of(const Node& mesh, const Node& topology) {
     return 0;
   if (type == "unstructured") {
     const Node elements = topology.at("elements");
-    const Node shape = elements.find("shape");
-    if (!shape)
-      elements.refuse(INSITU_ERROR_UNSUPPORTED,
-                      "has no shape: lists of topologies of one shape each are not supported");
-    if (shape.text() != "mixed")
-      return blueprint::dimensions_of(shape.text());
-    int most_dimensions = 0;
-    const Node map = elements.at("shape_map");
-    for (std::int64_t i = 0; i < map.size(); ++i)
-      most_dimensions = std::max(most_dimensions, blueprint::dimensions_of(map.child(i).name()));
+    if (elements.find("shape"))
+      return dimensions_of_elements(elements);
+    if (elements.size() == 0 || !elements.child(0).find("shape"))
+      (void)elements.at("shape"); // is missing
+    int most_dimensions = -1;     // of a list of topologies of one shape each
+    for (std::int64_t i = 0; i < elements.size(); ++i)
+      most_dimensions = std::max(most_dimensions, dimensions_of_elements(elements.child(i)));
     return most_dimensions;
   }
   if (type == "structured")
@@ -64,6 +72,15 @@ Node chosen_topology(const Node& mesh, const std::string& wanted) {
   }
   all.refuse(INSITU_ERROR_UNSUPPORTED, "has no topology of cells with volume or area" +
                                            (others.empty() ? "" : ": " + others));
+}
+
+bool is_named_by_field(const Node& mesh, const std::string& topology) {
+  const Node fields = mesh.find("fields");
+  for (std::int64_t i = 0; i < fields.size(); ++i)
+    if (const Node of = fields.child(i).find("topology");
+        of && of.is_text() && of.text() == topology)
+      return true;
+  return false;
 }
 
 /// x, y, z, or x, y.
@@ -130,7 +147,7 @@ std::vector<insitu_array> explicit_points(const Node& coordset, Domain& d) {
   std::vector<insitu_array> xyz;
   for (std::size_t a = 0; a < count; ++a) {
     const Node node = values.at(axes[a]);
-    xyz.push_back(reals(node.leaf(), d.copies));
+    xyz.push_back(reals(node.leaf(), *d.point_copies));
     if (xyz.back().count != xyz[0].count)
       node.refuse(INSITU_ERROR_ARGUMENT, "has " + std::to_string(xyz.back().count) +
                                              " values, x has " + std::to_string(xyz[0].count));
@@ -214,6 +231,24 @@ Window read_window(const Node& dims, const std::array<std::int64_t, 3>& extent,
     dims.refuse(INSITU_ERROR_ARGUMENT, "reaches from item " + std::to_string(least) + " to " +
                                            std::to_string(greatest) + ", there are " +
                                            std::to_string(items));
+  return out;
+}
+
+std::vector<std::string> other_topologies(const Node& mesh) {
+  std::vector<std::string> out;
+  const Node all = mesh.find("topologies");
+  if (all.size() < 2)
+    return out;
+  const Node chosen = chosen_topology(mesh, "");
+  for (std::int64_t i = 0; i < all.size(); ++i) {
+    const Node topology = all.child(i);
+    try {
+      if (topology.name() != chosen.name() && is_named_by_field(mesh, topology.name()) &&
+          dimensions_of(mesh, topology) == dimensions_of(mesh, chosen))
+        out.push_back(topology.name());
+    } catch (const Error&) { // what is wrong with a topology that is not chosen was never read
+    }
+  }
   return out;
 }
 

@@ -15,9 +15,10 @@ std::string role_of(const Node& mesh, const Node& channel, const std::string& na
   return name == "vtkGhostType" ? "Ghosts" : name == "ascent_ghosts" ? "ascent" : "";
 }
 
-/// The items of a field's array that are the topology's.
+/// The items of a field's array that are the topology's, where polygons are cut with those of what
+/// they become.
 void set_items(const Node& field, const Node& values, bool on_cells, const Domain& d,
-               insitu_array& array) {
+               Copies& copies, insitu_array& array) {
   const std::int64_t items = on_cells ? d.cell_count : d.vertex_count;
   std::array<std::int64_t, 3> extent = d.extent;
   for (std::size_t a = 0; a < std::size_t(d.dimensions); ++a)
@@ -31,13 +32,15 @@ void set_items(const Node& field, const Node& values, bool on_cells, const Domai
     values.refuse(INSITU_ERROR_FIELD, "has " + std::to_string(array.count) +
                                           " items, the topology has " + std::to_string(items) +
                                           (on_cells ? " elements" : " vertices"));
+  if (d.cuts)
+    array = d.cuts->expanded(array, on_cells, copies);
 }
 
 /// Ghosts of cells; cells that are hidden already stay hidden.
 void set_ghosts(const Node& field, const Node& values, insitu_ghost_convention convention,
                 Domain& d) {
   insitu_array given = bytes(values, *d.cell_copies);
-  set_items(field, values, true, d, given);
+  set_items(field, values, true, d, *d.cell_copies, given);
   if (!d.ghosts) {
     d.ghosts = given;
     d.convention = convention;
@@ -61,16 +64,40 @@ bool read_role(const std::string& role, const Node& field, const Node& values, b
     set_ghosts(field, values, INSITU_GHOSTS_VTK, d);
   } else if (role == "Ghosts") {
     insitu_array given = bytes(values, *d.cell_copies);
-    set_items(field, values, false, d, given);
+    set_items(field, values, false, d, *d.cell_copies, given);
     d.hidden_points = given;
+  } else if (role == "GlobalIds" && d.are_polygons) {
+    d.left_out.push_back(field.path() + ": polygons may be cut, and parts have no global ids");
   } else if (role == "GlobalIds") {
     insitu_array given = ids(values, *d.cell_copies);
-    set_items(field, values, on_cells, d, given);
+    set_items(field, values, on_cells, d, *d.cell_copies, given);
     d.global_ids[on_cells ? INSITU_CELL : INSITU_VERTEX] = given;
   } else {
     return role == "ascent";
   }
   return true;
+}
+
+/// The polygons' numbers, which may be cut into several cells each.
+void add_numbers(Domain& d) {
+  auto* numbers = d.copies.make<double>(d.cell_count);
+  for (std::int64_t c = 0; c < d.cell_count; ++c)
+    numbers[c] = static_cast<double>(c);
+  insitu_array array = insitu_array_of(numbers, INSITU_FLOAT64, d.cell_count, 1);
+  array.converted = "numbers of polygons";
+  d.fields.push_back(
+      {"blueprint_cell", INSITU_CELL, {d.cuts ? d.cuts->expanded(array, true, d.copies) : array}});
+}
+
+void read_values(const Node& field, const Node& values, bool on_cells, Domain& d) {
+  if (values.is_text()) {
+    d.left_out.push_back(field.path() + ": text");
+    return;
+  }
+  Field out{field.name(), on_cells ? INSITU_CELL : INSITU_VERTEX, components(values, d.copies)};
+  for (insitu_array& array : out.arrays)
+    set_items(field, values, on_cells, d, d.copies, array);
+  d.fields.push_back(std::move(out));
 }
 
 } // namespace
@@ -92,17 +119,17 @@ void read_fields(const Node& mesh, const Node& topology, const Node& channel, Do
     const bool on_cells = on.text() == "element";
     if (!on_cells && on.text() != "vertex")
       on.refuse(INSITU_ERROR_ARGUMENT, "is '" + on.text() + "'; vertex or element is needed");
-    if (read_role(role_of(mesh, channel, name), field, values, on_cells, d))
-      continue;
-    if (values.is_text()) {
-      d.left_out.push_back(field.path() + ": text");
-      continue;
+    try {
+      if (!read_role(role_of(mesh, channel, name), field, values, on_cells, d))
+        read_values(field, values, on_cells, d);
+    } catch (const Error& e) { // of several topologies it may be on another one
+      if (of || e.status() != INSITU_ERROR_FIELD || mesh.at("topologies").size() < 2)
+        throw;
+      d.left_out.push_back(std::string(e.what()) + ", and no topology is named");
     }
-    Field out{name, on_cells ? INSITU_CELL : INSITU_VERTEX, components(values, d.copies)};
-    for (insitu_array& array : out.arrays)
-      set_items(field, values, on_cells, d, array);
-    d.fields.push_back(std::move(out));
   }
+  if (d.are_polygons)
+    add_numbers(d);
 }
 
 } // namespace insitu::blueprint

@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <vector>
 
 namespace insitu::catalyst {
 
@@ -18,9 +17,9 @@ bool is_scene(const std::string& path) {
   return ends_in(path, ".yaml") || ends_in(path, ".yml");
 }
 
-Options options_of(const Node& catalyst) {
+Options options_of(const Node& catalyst, const std::string& scene) {
   Options o;
-  o.scene = scene_of(catalyst);
+  o.scene = scene.empty() ? scene_of(catalyst) : scene;
   o.default_scene = o.scene.empty();
   if (const Node communicator = catalyst.find("mpi_comm"))
     o.fortran_communicator = static_cast<int>(communicator.integer());
@@ -80,8 +79,8 @@ std::string scene_of(const Node& catalyst) {
   return found;
 }
 
-Run::Run(const Node& catalyst) {
-  const Options options = options_of(catalyst);
+Run::Run(const Node& catalyst, const std::string& scene) {
+  const Options options = options_of(catalyst, scene);
   try {
     session_.emplace(options);
     const Node answers = catalyst.find("insitu/answers");
@@ -96,16 +95,17 @@ void Run::say_once(const std::string& text) {
     say("warning: ", text);
 }
 
-void Run::attach(const std::string& mesh, const Node& data, const Node& channel, bool adaptive) {
+void Run::attach(const std::string& mesh, const Node& data,
+                 const blueprint::Attachment::Options& options) {
   std::unique_ptr<Channel>& c = channels_[mesh];
   const bool fresh = !c;
   if (fresh) {
     c = std::make_unique<Channel>(session_->mesh(mesh).handle());
-    c->adaptive = adaptive;
+    c->adaptive = options.adaptive;
   }
   try {
     c->present = true;
-    c->attachment.update(data, {"", adaptive, channel});
+    c->attachment.update(data, options);
     for (const std::string& line : c->attachment.left_out())
       say_once("left out: " + line);
   } catch (const Error& e) {
@@ -116,15 +116,23 @@ void Run::attach(const std::string& mesh, const Node& data, const Node& channel,
   }
 }
 
+void Run::attach_all(const std::string& mesh, const Node& data, const Node& channel) {
+  attach(mesh, data, {"", false, false, channel});
+  for (const std::string& topology : blueprint::other_topologies_of(data))
+    attach(mesh + "/" + topology, data, {topology, true, false, channel});
+}
+
 void Run::attach_channel(const Node& channel) {
   const Node type_node = channel.find("type");
   const std::string type = type_node ? type_node.text() : "mesh";
   const Node data = channel.find("data");
-  if (type == "mesh" || type == "amrmesh") {
-    attach(channel.name(), data, channel, type == "amrmesh");
+  if (type == "mesh") {
+    attach_all(channel.name(), data, channel);
+  } else if (type == "amrmesh") {
+    attach(channel.name(), data, {"", false, true, channel});
   } else if (type == "multimesh") {
     for (std::int64_t i = 0; i < data.size(); ++i)
-      attach(channel.name() + "/" + data.child(i).name(), data.child(i), channel, false);
+      attach_all(channel.name() + "/" + data.child(i).name(), data.child(i), channel);
   } else {
     say_once(type_node.path() + " is " + type + "; mesh, multimesh and amrmesh are supported");
   }
@@ -142,7 +150,7 @@ void Run::take_clock(const Node& catalyst) {
     time_ = static_cast<double>(cycle_);
 }
 
-bool Run::execute(const Node& catalyst) {
+std::optional<Error> Run::give_channels(const Node& catalyst) {
   take_clock(catalyst);
   for (auto& [name, channel] : channels_)
     channel->present = false;
@@ -156,7 +164,25 @@ bool Run::execute(const Node& catalyst) {
     }
   for (auto& [name, channel] : channels_)
     if (!channel->present) // its arrays may be gone
-      channel->attachment.update({}, {"", channel->adaptive, {}});
+      channel->attachment.update({}, {"", false, channel->adaptive, {}});
+  return wrong;
+}
+
+void Run::give(const Node& catalyst) {
+  if (const std::optional<Error> wrong = give_channels(catalyst))
+    throw *wrong;
+}
+
+std::vector<std::pair<std::string, Mesh>> Run::meshes() {
+  std::vector<std::pair<std::string, Mesh>> out;
+  for (const auto& [name, channel] : channels_)
+    if (channel->present)
+      out.emplace_back(name, session_->mesh(name));
+  return out;
+}
+
+bool Run::execute(const Node& catalyst) {
+  const std::optional<Error> wrong = give_channels(catalyst);
   const bool all_well = session_->execute(cycle_, time_);
   if (wrong)
     throw *wrong;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "insitu/insitu.hpp"
 
@@ -21,14 +23,21 @@ struct Logged : Error {
 /// A session that a solver runs through Catalyst's calls: from initialize to finalize.
 class Run {
 public:
-  /// Opens the session that `catalyst` in a call's parameters asks for. Throws Error.
-  explicit Run(const blueprint::Node& catalyst);
+  /// Opens the session that `catalyst` in a call's parameters asks for. scene: the path of one that
+  /// replaces what the parameters and the environment name, or "". Throws Error.
+  explicit Run(const blueprint::Node& catalyst, const std::string& scene = "");
 
   /// Gives the channels' meshes to the session, and executes it. A channel of a kind that the
   /// library cannot read is left out, and said once. Returns false if an action failed (the library
   /// has logged it); throws Error for any other failure, such as a channel that is wrong on this
   /// process or another one: nothing is executed then.
   bool execute(const blueprint::Node& catalyst);
+
+  /// What execute() does before the session executes, for a dry run. Throws Error.
+  void give(const blueprint::Node& catalyst);
+  Session& session() { return *session_; }
+  /// The meshes of the call before, by the channels' names.
+  std::vector<std::pair<std::string, Mesh>> meshes();
 
   /// What the session did so far, and what its probes answered last, as catalyst/insitu/... of the
   /// node. Any process may ask, at any time.
@@ -44,9 +53,14 @@ private:
     bool present = false; ///< in this call
   };
   /// A channel's data, or a block of it.
-  void attach(const std::string& mesh, const blueprint::Node& data, const blueprint::Node& channel,
-              bool adaptive);
+  void attach(const std::string& mesh, const blueprint::Node& data,
+              const blueprint::Attachment::Options& options);
+  /// A channel's data, or a block of it, with a mesh for each further topology.
+  void attach_all(const std::string& mesh, const blueprint::Node& data,
+                  const blueprint::Node& channel);
   void attach_channel(const blueprint::Node& channel);
+  /// Returns the error of a channel that is wrong.
+  std::optional<Error> give_channels(const blueprint::Node& catalyst);
   void take_clock(const blueprint::Node& catalyst);
   void say_once(const std::string& text);
 

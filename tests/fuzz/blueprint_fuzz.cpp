@@ -29,8 +29,8 @@ void integers(Tree& tree, const std::string& path, const std::vector<std::int32_
   tree.make(path).set_copy(Conduit::int32, values.data(), std::int64_t(values.size()));
 }
 
-constexpr const char* kinds[] = {"uniform", "rectilinear", "structured", "hex",
-                                 "mixed",   "polyhedral",  "adaptive"};
+constexpr const char* kinds[] = {"uniform",    "rectilinear", "structured", "hex",   "mixed",
+                                 "polyhedral", "adaptive",    "polygonal",  "among", "list"};
 
 /// Two cubes side by side, in one of the ways of Blueprint.
 void make(Tree& tree, unsigned kind) {
@@ -45,7 +45,15 @@ void make(Tree& tree, unsigned kind) {
   if (kind == 1)
     for (const char* a : {"x", "y", "z"})
       numbers(tree, c + "values/" + a, *a == 'x' ? std::vector{0., 1., 2.} : std::vector{0., 1.});
-  if (kind >= 2 && kind < 6) {
+  if (kind == 7) { // a hexagon and a square
+    text(tree, e + "shape", "polygonal");
+    integers(tree, e + "connectivity", {0, 1, 2, 5, 4, 3, 3, 4, 7, 6});
+    integers(tree, e + "sizes", {6, 4});
+    integers(tree, e + "offsets", {0, 6});
+    numbers(tree, c + "values/x", {0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2});
+    numbers(tree, c + "values/y", {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3});
+  }
+  if (kind >= 2 && kind != 6 && kind != 7) {
     numbers(tree, c + "values/x", {0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2});
     numbers(tree, c + "values/y", {0, 0, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1});
     numbers(tree, c + "values/z", {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1});
@@ -54,6 +62,24 @@ void make(Tree& tree, unsigned kind) {
     for (const char* n : {"i", "j", "k"})
       integers(tree, e + "dims/" + n, {*n == 'i' ? 2 : 1});
   const std::vector<std::int32_t> hexahedra = {0, 1, 4, 3, 6, 7, 10, 9, 1, 2, 5, 4, 7, 8, 11, 10};
+  if (kind == 8) { // a cube by its faces beside a hexahedron
+    text(tree, e + "shape", "mixed");
+    integers(tree, e + "shape_map/hex", {12});
+    integers(tree, e + "shape_map/polyhedral", {42});
+    integers(tree, e + "shapes", {12, 42});
+    integers(tree, e + "sizes", {8, 6});
+    integers(tree, e + "connectivity", {0, 1, 4, 3, 6, 7, 10, 9, 0, 1, 2, 3, 4, 5});
+    text(tree, t + "subelements/shape", "quad");
+    integers(tree, t + "subelements/connectivity",
+             {1, 4, 10, 7, 1, 2, 5, 4, 7, 8, 11, 10, 1, 2, 8, 7, 4, 5, 11, 10, 2, 5, 11, 8});
+  }
+  if (kind == 9)
+    for (const int i : {0, 1}) {
+      const std::string chunk = e + (i == 0 ? "a/" : "b/");
+      text(tree, chunk + "shape", "hex");
+      integers(tree, chunk + "connectivity",
+               {hexahedra.begin() + 8 * i, hexahedra.begin() + 8 * (i + 1)});
+    }
   if (kind == 3 || kind == 4) {
     text(tree, e + "shape", kinds[kind]);
     integers(tree, e + "connectivity", hexahedra);
@@ -111,8 +137,9 @@ void change(Tree& tree, Bytes& in) {
       node.children.erase(node.children.begin() + in.below(unsigned(node.children.size())));
     break;
   case 1: { // other text
-    constexpr char texts[8][8] = {"uniform", "hex", "mixed", "element", "vertex", "c", "", "t"};
-    node.set_copy(Conduit::char8_str, texts[in.below(8)], 8);
+    constexpr char texts[10][11] = {"uniform", "hex", "mixed", "element",   "vertex",
+                                    "c",       "",    "t",     "polygonal", "polyhedral"};
+    node.set_copy(Conduit::char8_str, texts[in.below(10)], 11);
     node.own.back() = '\0';
     break;
   }
@@ -141,7 +168,7 @@ void change(Tree& tree, Bytes& in) {
 /// Whether the tree was taken; false: it was refused with a message.
 bool attach(Attachment& attachment, Tree& tree, bool adaptive) {
   try {
-    attachment.update(Node(Tree::functions(), &tree, "mesh"), {"", adaptive, {}});
+    attachment.update(Node(Tree::functions(), &tree, "mesh"), {"", false, adaptive, {}});
     return true;
   } catch (const insitu::Error& e) {
     require(e.status() != INSITU_OK && *e.what(), "a status and a message");
@@ -154,7 +181,7 @@ bool attach(Attachment& attachment, Tree& tree, bool adaptive) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Bytes in(data, size);
   Tree tree; // which outlives the session that reads it
-  const unsigned kind = in.below(7);
+  const unsigned kind = in.below(10);
   make(tree, kind);
   const fuzz::Session session;
   Attachment attachment(session.mesh);
@@ -163,7 +190,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool attached = attach(attachment, tree, kind == 6);
     const bool committed = fuzz::commit(session.mesh, report);
     require(attached || !committed, "a mesh that was not given is not committed");
-    if (committed && kind != 5)
+    if (committed && kind != 5 && kind != 8)
       fuzz::ask(in, session.mesh, std::max<std::int64_t>(report.cells, 1));
     for (unsigned n = in.below(4); n > 0; --n)
       change(tree, in);

@@ -1,5 +1,8 @@
 #include "check.h"
 
+#include <fstream>
+#include <iostream>
+#include <iterator>
 #include <set>
 #include <sstream>
 #include <yaml-cpp/yaml.h>
@@ -68,8 +71,7 @@ void add_frames(const YAML::Node& scene, const std::string& folder, std::string&
              " (" + trigger_of(frame, scene) + ")\n";
 }
 
-} // namespace
-
+/// A mesh's cells and vertices, and each field.
 std::string describe(const std::string& name, insitu::Mesh mesh) {
   const insitu::CommitReport report = mesh.commit();
   std::string out = "mesh '" + name + "': " + std::to_string(report.cells) + " cells, " +
@@ -92,6 +94,8 @@ std::string describe(const std::string& name, insitu::Mesh mesh) {
   return out + (known.empty() ? "  no fields\n" : "");
 }
 
+/// The files that a scene asks for, a line each, with when they are written; empty for a text that
+/// is none. given: a folder in the place of the scene's.
 std::string outputs_of(const std::string& scene_text, const std::string& given) {
   std::string out;
   try {
@@ -115,6 +119,7 @@ std::string outputs_of(const std::string& scene_text, const std::string& given) 
   return out;
 }
 
+/// The lines of a plan that say why an item cannot be done: "probe 'gauges' ...: reason".
 std::vector<std::string> problems_of(const std::string& plan) {
   std::vector<std::string> out;
   std::string item;
@@ -129,9 +134,54 @@ std::vector<std::string> problems_of(const std::string& plan) {
   return out;
 }
 
+/// A plan's last line, which sums memory up.
 std::string memory_of(const std::string& plan) {
   const std::vector<std::string> lines = lines_of(plan);
   return lines.empty() ? std::string() : lines.back();
+}
+
+} // namespace
+
+std::vector<std::string> check_run(insitu::Session& session, const NamedMeshes& meshes,
+                                   std::size_t steps, const std::string& scene_text,
+                                   const std::string& folder) {
+  for (const auto& [name, mesh] : meshes)
+    std::cout << describe(name, mesh);
+  std::cout << plural(std::int64_t(steps), "step") << "\n";
+  const std::string plan = session.plan();
+  if (const std::string outputs = outputs_of(scene_text, folder); !outputs.empty())
+    std::cout << "would write\n" << outputs;
+  std::cout << memory_of(plan) << "\n";
+  return problems_of(plan);
+}
+
+bool validate_meshes(const NamedMeshes& meshes, const std::string& file) {
+  bool well = true;
+  for (const auto& [name, mesh] : meshes) {
+    const insitu::Validation v = insitu::Mesh(mesh).validate();
+    const insitu_validation& c = v.counts;
+    std::cout << file << ": " << (v.accepted ? "accepted" : "refused") << ", "
+              << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
+              << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
+              << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
+              << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
+              << c.split_faces << " quads against other faces, " << c.hanging_vertices
+              << " vertices on faces or edges of other cells, " << c.covered_vertices
+              << " inside other cells\n";
+    if (!v.accepted)
+      std::cout << v.findings << "\n";
+    well = well && v.accepted;
+  }
+  return well;
+}
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::string plural(std::int64_t n, const std::string& what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
 } // namespace insitu_replay

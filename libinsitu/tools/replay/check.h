@@ -1,22 +1,34 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "insitu/insitu.hpp"
 
 namespace insitu_replay {
 
-/// What --check says of a mesh: its cells and vertices, and each field.
-std::string describe(const std::string& name, insitu::Mesh mesh);
+/// Meshes by their names.
+using NamedMeshes = std::vector<std::pair<std::string, insitu::Mesh>>;
 
-/// The files that a scene asks for, a line each, with when they are written; empty for a text that
-/// is none. folder: in the place of the scene's.
-std::string outputs_of(const std::string& scene_text, const std::string& folder);
+/// A dry run of a session of which the meshes were given: prints the meshes with their fields, the
+/// number of steps, the files that the scene asks for, and memory. scene_text: of the scene, or ""
+/// of the default one; folder: in the place of the scene's output folder, or "". Returns the items
+/// that cannot be done, "probe 'gauges' ...: reason" each.
+std::vector<std::string> check_run(insitu::Session& session, const NamedMeshes& meshes,
+                                   std::size_t steps, const std::string& scene_text,
+                                   const std::string& folder);
 
-/// The lines of a plan that say why an item cannot be done: "probe 'gauges' ...: reason".
-std::vector<std::string> problems_of(const std::string& plan);
-/// Its last line, which sums memory up.
-std::string memory_of(const std::string& plan);
+/// Prints what is found in meshes of a file, a line each and more for those that are refused;
+/// returns whether none is.
+bool validate_meshes(const NamedMeshes& meshes, const std::string& file);
+
+/// The text of a file; "" where there is none.
+std::string text_of(const std::string& path);
+
+/// "1 step", "2 steps".
+std::string plural(std::int64_t n, const std::string& what);
 
 } // namespace insitu_replay

@@ -1,8 +1,10 @@
 #include "dumps.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,6 +12,8 @@
 #include <set>
 
 #include "catalyst/run.h"
+#include "check.h"
+#include "dump_arrays.h"
 #include "options.h"
 #include "read.h"
 #include "runs/runs_of_others.h"
@@ -204,10 +208,6 @@ void drop_repeated_ids(Tree& call) {
     }
 }
 
-void set_text(Tree& tree, const std::string& path, const std::string& text) {
-  tree.make(path).set_copy(Conduit::char8_str, text.c_str(), std::int64_t(text.size()) + 1);
-}
-
 } // namespace
 
 std::unique_ptr<Dump> read_dump(const std::string& path) {
@@ -264,53 +264,103 @@ DumpedRun find_dumps(const std::vector<std::string>& files) {
   return run;
 }
 
-bool replay_dumps(const ReplayOptions& options) {
-  if (options.plan || options.validate || options.check || options.reverse || options.preview ||
-      options.separate_pieces || !options.probe.empty() || !options.blanks.empty() ||
-      !options.summary.empty())
-    throw UsageError("dumps of Catalyst's calls are replayed with --scene, --out, --threads and "
-                     "--strict alone");
-  const DumpedRun calls = find_dumps(options.files);
-  std::unique_ptr<Dump> first =
-      calls.initialize.empty() ? std::make_unique<Dump>() : read_dump(calls.initialize[0]);
-  Tree& start = first->tree;
+namespace {
+
+/// One call: the dumps of all processes, and their channels as one tree.
+class Call {
+public:
+  Call(const std::vector<std::string>& paths, DumpArrays& arrays) {
+    for (const std::string& path : paths) {
+      dumps_.push_back(read_dump(path));
+      if (arrays.take(dumps_.back()->tree, dumps_.size() - 1))
+        dumps_.back()->bytes = {};
+    }
+    if (dumps_.size() == 1)
+      return;
+    for (std::size_t p = 0; p < dumps_.size(); ++p)
+      add_domains(all_, dumps_[p]->tree, p);
+    if (Tree* state = dumps_[0]->tree.find("catalyst/state"))
+      all_.make("catalyst/state") = std::move(*state);
+    drop_repeated_ids(all_);
+  }
+  Node catalyst() { return catalyst_of(dumps_.size() == 1 ? dumps_[0]->tree : all_); }
+  static Node catalyst_of(Tree& tree) { return Node(Tree::functions(), &tree, "").at("catalyst"); }
+
+private:
+  std::vector<std::unique_ptr<Dump>> dumps_;
+  Tree all_;
+};
+
+/// The parameters of initialize, as the command line changes them.
+void change_start(const ReplayOptions& options, Tree& start) {
   start.make("catalyst");
   start.remove("catalyst/mpi_comm"); // a number of another run
-  if (!options.scene.empty()) {
-    start.remove("catalyst/scripts");
-    set_text(start, "catalyst/scripts/scene", options.scene);
-  }
   if (!options.out.empty())
-    set_text(start, "catalyst/insitu/output", options.out);
+    start.make("catalyst/insitu/output")
+        .set_copy(Conduit::char8_str, options.out.c_str(), std::int64_t(options.out.size()) + 1);
   if (options.threads > 0)
     Tree::functions().set_path_int64(&start, "catalyst/insitu/threads", options.threads);
   if (options.strict)
     Tree::functions().set_path_int64(&start, "catalyst/insitu/strict", 1);
-  const auto catalyst_of = [](Tree& tree) {
-    return Node(Tree::functions(), &tree, "").at("catalyst");
-  };
-  std::vector<std::unique_ptr<Dump>> dumps; // as long as the session may read them
-  insitu::catalyst::Run run(catalyst_of(start));
-  bool well = true;
-  for (const std::vector<std::string>& call : calls.executes) {
-    std::vector<std::unique_ptr<Dump>> now;
-    for (const std::string& path : call)
-      now.push_back(read_dump(path));
-    Tree all;
-    for (std::size_t p = 0; now.size() > 1 && p < now.size(); ++p)
-      add_domains(all, now[p]->tree, p);
-    Tree& tree = now.size() > 1 ? all : now[0]->tree;
-    if (now.size() > 1)
-      if (Tree* state = now[0]->tree.find("catalyst/state"))
-        all.make("catalyst/state") = std::move(*state);
-    try {
-      drop_repeated_ids(all);
-      well = run.execute(catalyst_of(tree)) && well;
-    } catch (const insitu::Error& e) {
-      throw FileError(call[0], e.what());
-    }
-    dumps = std::move(now);
+}
+
+void refuse_other_options(const ReplayOptions& options) {
+  if (options.reverse || options.preview || options.separate_pieces || !options.probe.empty() ||
+      !options.blanks.empty() || !options.summary.empty())
+    throw UsageError("dumps of Catalyst's calls are replayed with --scene, --out, --threads, "
+                     "--strict, --check, --plan and --validate alone");
+}
+
+/// Prints the plan of a run of which the first call was given, or its dry run; true if no item is
+/// skipped.
+bool look_at(const ReplayOptions& options, insitu::catalyst::Run& run, const Node& start,
+             std::size_t calls) {
+  if (options.plan) {
+    std::cout << run.session().plan();
+    return true;
   }
+  const std::string scene =
+      options.scene.empty() ? insitu::catalyst::scene_of(start) : options.scene;
+  const Node output = start.find("insitu/output");
+  const std::vector<std::string> problems = check_run(
+      run.session(), run.meshes(), calls, text_of(scene), output ? output.text() : std::string());
+  for (const std::string& problem : problems)
+    std::fprintf(stderr, "insitu-replay: %s\n", problem.c_str());
+  return problems.empty();
+}
+
+} // namespace
+
+bool replay_dumps(const ReplayOptions& options) {
+  refuse_other_options(options);
+  const DumpedRun calls = find_dumps(options.files);
+  std::unique_ptr<Dump> first =
+      calls.initialize.empty() ? std::make_unique<Dump>() : read_dump(calls.initialize[0]);
+  change_start(options, first->tree);
+  const Node start = Call::catalyst_of(first->tree);
+  DumpArrays arrays;                  // as long as the session may read them
+  std::unique_ptr<Call> before, call; // and what these hold
+  insitu::catalyst::Run run(start, options.scene);
+  bool well = true;
+  for (const std::vector<std::string>& paths : calls.executes)
+    try {
+      call = std::make_unique<Call>(paths, arrays);
+      if (options.check || options.plan) {
+        run.give(call->catalyst());
+        well = look_at(options, run, start, calls.executes.size());
+        break;
+      }
+      if (options.validate) {
+        run.give(call->catalyst());
+        well = validate_meshes(run.meshes(), paths.front()) && well;
+      } else {
+        well = run.execute(call->catalyst()) && well;
+      }
+      arrays.forget_replaced();
+      before = std::move(call);
+    } catch (const insitu::Error& e) {
+      throw FileError(paths.front(), e.what());
+    }
   run.close();
   return well;
 }

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -58,10 +56,6 @@ private:
 std::string& last_error() {
   static std::string text;
   return text;
-}
-
-std::string plural(std::int64_t n, const std::string& what) {
-  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
 /// A scene that samples all fields at the points of a file.
@@ -186,9 +180,7 @@ private:
   /// The recorded scene: in its place, where points' files beside it are found, if it is still
   /// there.
   void choose_recorded_scene(insitu::Options& o) const {
-    std::ifstream in(first_->scene_file, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-    if (in && !first_->scene_text.empty() && text == first_->scene_text)
+    if (!first_->scene_text.empty() && text_of(first_->scene_file) == first_->scene_text)
       o.scene = first_->scene_file;
     else
       o.scene_text = first_->scene_text;
@@ -288,21 +280,14 @@ private:
   }
 
   /// The meshes of the step that was read last.
-  std::vector<std::pair<std::string, insitu::Mesh>> meshes() const {
-    return first_ ? records_.meshes()
-                  : std::vector<std::pair<std::string, insitu::Mesh>>{{options_.mesh, mesh_}};
+  NamedMeshes meshes() const {
+    return first_ ? records_.meshes() : NamedMeshes{{options_.mesh, mesh_}};
   }
 
   /// Says what a run would do; writes nothing.
   ExitCode check() {
-    for (const auto& [name, mesh] : meshes())
-      std::cout << describe(name, mesh);
-    std::cout << plural(std::int64_t(steps_.size()), "step") << "\n";
-    const std::string plan = session_.plan();
-    if (const std::string outputs = outputs_of(scene_text(), options_.out); !outputs.empty())
-      std::cout << "would write\n" << outputs;
-    std::cout << memory_of(plan) << "\n";
-    const std::vector<std::string> problems = problems_of(plan);
+    const std::vector<std::string> problems =
+        check_run(session_, meshes(), steps_.size(), scene_text(), options_.out);
     for (const std::string& problem : problems)
       say(problem);
     return problems.empty() ? done : skipped;
@@ -313,32 +298,12 @@ private:
       return probe_scene(options_.probe);
     if (options_.scene.empty())
       return first_ ? first_->scene_text : std::string();
-    std::ifstream in(options_.scene, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    return text_of(options_.scene);
   }
 
   bool validate(std::size_t s) {
     progress_.clear();
-    bool well = true;
-    for (const auto& [name, mesh] : meshes())
-      well = validate(mesh, steps_[s].files.front()) && well;
-    return well;
-  }
-
-  bool validate(insitu::Mesh mesh, const std::string& name) {
-    const insitu::Validation v = mesh.validate();
-    const insitu_validation& c = v.counts;
-    std::cout << name << ": " << (v.accepted ? "accepted" : "refused") << ", "
-              << plural(c.cells, "cell") << ", " << c.ghost_cells << " ghost, " << c.inverted_cells
-              << " inverted, " << c.zero_volume_cells << " of zero volume, " << c.folded_cells
-              << " folded, " << c.collapsed_cells << " collapsed; " << c.coincident_vertices
-              << " vertices coincide, " << c.crowded_faces << " faces of more than two cells, "
-              << c.split_faces << " quads against other faces, " << c.hanging_vertices
-              << " vertices on faces or edges of other cells, " << c.covered_vertices
-              << " inside other cells\n";
-    if (!v.accepted)
-      std::cout << v.findings << "\n";
-    return v.accepted;
+    return validate_meshes(meshes(), steps_[s].files.front());
   }
 
   const ReplayOptions& options_;
@@ -372,7 +337,7 @@ int run(int argc, char** argv) {
       return done;
     }
     if (are_dumps(options.files))
-      return replay_dumps(options) ? done : skipped;
+      return replay_dumps(options) ? done : options.validate ? failed : skipped;
     silence_vtk();
     return Replay(options).run();
   } catch (const insitu::catalyst::Logged&) {

@@ -28,7 +28,8 @@ FILE is a file that VTK reads, its suffix in small or capital letters:
   .cgns, .nc (CF and UGRID conventions): all steps of a run, as far as VTK here has their readers
 Or it is a folder of dumps of Catalyst's calls (CATALYST_DATA_DUMP_DIRECTORY), or such dumps with
 their schemas beside them: the run is then done again, with one process in the place of all, with
-the run's own scene or another (--scene, --out, --threads, --strict).
+the run's own scene or another (--scene, --out, --threads, --strict); --check and --plan look at
+the first call, --validate at all.
 Each is one step, in the order given, if it does not hold several; records go by their times.
 Triangles, lines and the like beside cells of volume are left out, as are blocks of them; parts
 without cells add nothing; of several parts, arrays that one of them lacks are left out. Each of

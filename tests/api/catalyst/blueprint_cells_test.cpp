@@ -1,11 +1,10 @@
 // Blueprint's unstructured topologies: cells of one shape, of several, and polyhedra.
 #include <algorithm>
-#include <map>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "blueprint.h"
+#include "glued.h"
 
 namespace {
 
@@ -84,62 +83,6 @@ TEST_F(Blueprint, MixedCellsWithFlatOnes) {
   expect_refused(node, INSITU_ERROR_ARGUMENT,
                  "topologies/topo/elements/shapes of cell 2 is 4, which is not in shape_map");
 }
-
-/// The box by its faces, two of its cells glued to one that is no standard shape.
-struct Glued {
-  Glued() {
-    std::map<std::set<std::int64_t>, int> known;
-    constexpr int ring[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-    for (std::size_t c = 0; c < std::size_t(box.own_cells()); ++c) {
-      const std::int64_t* v = &box.hexahedra[8 * c];
-      for (const auto& f : ring) {
-        const auto [face, fresh] =
-            known.try_emplace({v[f[0]], v[f[1]], v[f[2]], v[f[3]]}, int(known.size()));
-        if (fresh) {
-          for (const int i : f)
-            vertices.push_back(std::int32_t(v[i]));
-          sizes.push_back(4);
-        }
-        cell_faces.push_back(face->second);
-      }
-      cell_sizes.push_back(6);
-    }
-    // Cells 22 and 23, the last two, become one, without the face between them.
-    const auto last = cell_faces.end() - 12;
-    const std::set<int> of_first(last, last + 6);
-    int between = -1;
-    for (auto f = last + 6; f != cell_faces.end(); ++f)
-      between = of_first.count(*f) > 0 ? *f : between;
-    cell_faces.erase(std::remove(last, cell_faces.end(), between), cell_faces.end());
-    cell_sizes.pop_back();
-    cell_sizes.back() = 10;
-    number = box.number;
-    number.pop_back();
-  }
-  /// Where the items start, and, with_end, where the last one ends.
-  static std::vector<std::int64_t> offsets_of(const std::vector<std::int32_t>& sizes,
-                                              bool with_end) {
-    std::vector<std::int64_t> out{0};
-    for (const std::int32_t size : sizes)
-      out.push_back(out.back() + size);
-    if (!with_end)
-      out.pop_back();
-    return out;
-  }
-  static constexpr const char *e = "topologies/topo/elements/", *s = "topologies/topo/subelements/";
-  void add_to(TestNode& node) {
-    const std::string elements = e, faces = s;
-    node.set(elements + "shape", "polyhedral").set(elements + "connectivity", cell_faces);
-    node.set(elements + "sizes", cell_sizes).set(faces + "shape", "polygonal");
-    node.set(faces + "connectivity", vertices).set(faces + "sizes", sizes);
-    node.set("fields/number/values", number);
-  }
-
-  Box box;
-  std::vector<std::int32_t> vertices, sizes, cell_faces, cell_sizes;
-  std::vector<double> number;
-};
 
 class BlueprintPolyhedra : public Blueprint {
 protected:
@@ -261,6 +204,109 @@ TEST_F(BlueprintPolyhedra, OffsetsThatDoNotFitAreNamed) {
   cell_starts.back() = 1000;
   ASSERT_EQ(attach(with(cell_starts).remove(e + "sizes")), INSITU_OK);
   EXPECT_THROW(session_.mesh("mesh").commit(), Error);
+}
+
+/// The glued cell as a polyhedron among hexahedra, wedges and a quad of the boundary: VTK's numbers
+/// of shapes, or others; faces that are all quads, or of shapes that are told.
+TEST_F(BlueprintPolyhedra, AmongCellsOfOtherShapes) {
+  Glued glued;
+  const std::string e = Glued::e, s = Glued::s;
+  std::vector<std::int32_t> sizes, shapes, ids;
+  std::vector<double> number;
+  const auto add = [&](int shape, const std::vector<std::int64_t>& of_cell, double value) {
+    shapes.push_back(shape);
+    sizes.push_back(int(of_cell.size()));
+    ids.insert(ids.end(), of_cell.begin(), of_cell.end());
+    number.push_back(value);
+  };
+  for (std::size_t c = 0; c < 22; ++c) {
+    const std::int64_t* v = &glued.box.hexahedra[8 * c];
+    if (c == 0) // both of its sides stay whole
+      add(9, {v[0], v[1], v[2], v[3]}, -1);
+    if (c % 4 == 0) {
+      add(13, {v[0], v[2], v[1], v[4], v[6], v[5]}, double(c));
+      add(13, {v[0], v[3], v[2], v[4], v[7], v[6]}, double(c));
+    } else {
+      add(12, {v, v + 8}, double(c));
+    }
+  }
+  add(42, {glued.cell_faces.end() - 10, glued.cell_faces.end()}, 22);
+  const auto mixed = [&] {
+    TestNode node = node_of(glued);
+    node.set(e + "shape", "mixed").set(e + "shapes", shapes).set(e + "sizes", sizes);
+    node.set(e + "connectivity", ids).set("fields/number/values", number);
+    for (const auto& [name, code] :
+         {std::pair{"quad", 9}, {"hex", 12}, {"wedge", 13}, {"polyhedral", 42}})
+      node.set(e + "shape_map/" + name, code);
+    return node;
+  };
+  TestNode node = mixed();
+  expect_attached(node);
+  expect_glued(glued);
+  EXPECT_NE(std::string(insitu_blueprint_left_out(blueprint_)).find("1 cells of shape quad"),
+            std::string::npos)
+      << insitu_blueprint_left_out(blueprint_);
+  ASSERT_EQ(attach(node), INSITU_OK);
+  EXPECT_EQ(session_.mesh("mesh").commit().action, INSITU_KEEP);
+  // Every point of a side between two cells has the lower one of both.
+  const std::vector<double> sides{2.0, 2.2, 3.1, 3.0, 2.2, 3.1, 2.5, 2.5, 3.1, 4.0, 3.2, 3.3};
+  EXPECT_EQ(session_.mesh("mesh").sample("number", sides).values,
+            (std::vector<double>{0, 1, 1, 22}));
+  node.set(s + "shape", "quad").remove(s + "sizes"); // which quads need not
+  expect_attached(node);
+  expect_glued(glued);
+  std::vector<std::int32_t> face_shapes(glued.sizes.size(), 9);
+  node = mixed();
+  node.set(s + "shape", "mixed").set(s + "shapes", face_shapes).set(s + "shape_map/quad", 9);
+  expect_attached(node);
+  expect_glued(glued);
+  ids.back() = 500;
+  expect_refused(mixed(), INSITU_ERROR_ARGUMENT,
+                 "elements/connectivity of cell 29 has the face 500, 0 to ");
+  ids.back() = glued.cell_faces.back();
+  sizes[2] = 5;
+  expect_refused(mixed(), INSITU_ERROR_ARGUMENT, "elements has 5 ids of cell 2, which is a wedge");
+  sizes[2] = 6;
+  expect_refused(mixed().remove("topologies/topo/subelements"), INSITU_ERROR_ARGUMENT,
+                 "topologies/topo/subelements is missing");
+  expect_refused(mixed().set(s + "shape", "hex"), INSITU_ERROR_UNSUPPORTED,
+                 "subelements/shape is 'hex'; faces are tri, quad, polygonal or mixed");
+}
+
+/// Elements that are a list of topologies of one shape each: their cells follow each other.
+TEST_F(Blueprint, ListsOfTopologiesOfOneShape) {
+  Box box;
+  std::vector<std::int32_t> hexahedra(box.hexahedra.begin(), box.hexahedra.begin() + 8 * 10),
+      wedges, quads;
+  std::vector<double> number(box.number.begin(), box.number.begin() + 10);
+  for (std::size_t c = 10; c < std::size_t(box.own_cells()); ++c) {
+    const std::int64_t* v = &box.hexahedra[8 * c];
+    for (const int i : {0, 2, 1, 4, 6, 5, 0, 3, 2, 4, 7, 6})
+      wedges.push_back(std::int32_t(v[i]));
+    number.insert(number.end(), 2, double(c));
+  }
+  for (const int i : {0, 1, 2, 3})
+    quads.push_back(std::int32_t(box.hexahedra[std::size_t(i)]));
+  number.push_back(-1);
+  TestNode node = explicit_box(box, "unstructured");
+  const std::string e = "topologies/topo/elements/";
+  node.set(e + "a/shape", "hex").set(e + "a/connectivity", hexahedra);
+  node.set(e + "b/shape", "wedge").set(e + "b/connectivity", wedges);
+  node.set(e + "c/shape", "quad").set(e + "c/connectivity", quads);
+  node.set("fields/number/values", number);
+  expect_attached(node);
+  expect_box(box);
+  EXPECT_NE(std::string(insitu_blueprint_left_out(blueprint_)).find("1 cells of shape quad"),
+            std::string::npos)
+      << insitu_blueprint_left_out(blueprint_);
+  ASSERT_EQ(attach(node), INSITU_OK);
+  EXPECT_EQ(session_.mesh("mesh").commit().action, INSITU_KEEP);
+  expect_refused(node.remove(e + "b/shape"), INSITU_ERROR_ARGUMENT,
+                 "topologies/topo/elements/b/shape is missing");
+  wedges.pop_back();
+  node.set(e + "b/shape", "wedge").set(e + "b/connectivity", wedges);
+  expect_refused(node, INSITU_ERROR_ARGUMENT,
+                 "elements/b/connectivity has 167 ids, which are not whole cells of 6");
 }
 
 } // namespace

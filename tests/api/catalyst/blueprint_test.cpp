@@ -229,7 +229,7 @@ TEST_F(Blueprint, WhatIsMissingIsNamedByItsPath) {
                  INSITU_ERROR_UNSUPPORTED,
                  "no topology of cells with volume or area: topo of 1 dimensions");
   expect_refused(hexahedra(box).set("topologies/topo/elements/shape", "polygonal"),
-                 INSITU_ERROR_UNSUPPORTED, "shape is 'polygonal'; tet, hex");
+                 INSITU_ERROR_ARGUMENT, "mesh/topologies/topo/elements/sizes is missing");
   expect_refused(hexahedra(box).set("topologies/topo/elements/connectivity", 1.5),
                  INSITU_ERROR_ARGUMENT, "connectivity holds no integers");
   std::vector<double> few(3);

@@ -261,10 +261,10 @@ TestNode cycle(int number) {
   return node;
 }
 
-/// The values of n at a probe after the last call; empty if it has not answered.
-std::vector<double> answers_of(const std::string& probe) {
+/// The values of a field at a probe after the last call; empty if it has not answered.
+std::vector<double> answers_of(const std::string& probe, const std::string& field = "n") {
   TestNode results;
-  const std::string path = "catalyst/insitu/probes/" + probe + "/fields/n";
+  const std::string path = "catalyst/insitu/probes/" + probe + "/fields/" + field;
   return catalyst_results(results.get()) == catalyst_status_ok && results.has(path)
              ? results.doubles(path)
              : std::vector<double>();
@@ -297,6 +297,46 @@ TEST_F(Catalyst, BlocksOfAMultimeshAreMeshes) {
   EXPECT_EQ(answers_of("west"), (std::vector{30.0, 40.0}));
   alone.remove(data + "west/high/topologies/t/coordset");
   EXPECT_NE(catalyst_execute(alone.get()), catalyst_status_ok);
+}
+
+/// Of several topologies the first is the channel's mesh, and each further one that a field names
+/// is a mesh, too; some domains may lack it, and a surface is none.
+TEST_F(Catalyst, FurtherTopologiesAreMeshes) {
+  std::ofstream(folder_ / "scene.yaml")
+      << "insitu: 1\nprobes:\n"
+         "  - {name: first, points: [[0.5, 0.5, 0.5], [4.5, 4.5, 4.5]], fields: [n]}\n"
+         "  - {name: solid, mesh: grid/solid, points: [[1.25, 0.25, 0.25], [4.5, 0.5, 0.5]], "
+         "fields: [heat]}\n";
+  ASSERT_EQ(catalyst_initialize(start().get()), catalyst_status_ok);
+  const std::string grid = "catalyst/channels/grid/", a = grid + "data/a/";
+  TestNode node = cycle(0);
+  node.set(grid + "type", "mesh");
+  const Block left(node, a, 2, 0.0, 1.0, 10.0); // whose field names no topology
+  const Block right(node, grid + "data/b/", 2, 4.0, 1.0, 20.0);
+  std::vector<double> x{1, 3, 1, 1}, y{0, 0, 2, 0}, z{0, 0, 0, 2}, value{7};
+  std::vector<std::int32_t> ids{0, 1, 2, 3};
+  node.set(a + "coordsets/s/type", "explicit").set(a + "coordsets/s/values/x", x);
+  node.set(a + "coordsets/s/values/y", y).set(a + "coordsets/s/values/z", z);
+  for (const auto& [name, shape, field] :
+       {std::array{"solid", "tet", "heat"}, {"wall", "quad", "flux"}, {"bare", "tet", ""}}) {
+    const std::string t = a + "topologies/" + name + "/";
+    node.set(t + "type", "unstructured").set(t + "coordset", "s");
+    node.set(t + "elements/shape", shape).set(t + "elements/connectivity", ids);
+    if (*field)
+      node.set(a + "fields/" + field + "/association", "element")
+          .set(a + "fields/" + field + "/topology", name)
+          .set(a + "fields/" + field + "/values", value);
+  }
+  ASSERT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  EXPECT_EQ(answers_of("first"), (std::vector{10.0, 20.0}));
+  const std::vector<double> heat = answers_of("solid", "heat");
+  ASSERT_EQ(heat.size(), 2u);
+  EXPECT_EQ(heat[0], 7.0);
+  EXPECT_TRUE(std::isnan(heat[1])); // of the other domain, which has no solid
+  TestNode results;
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  EXPECT_EQ(conduit_node_as_int64(conduit_node_fetch(results.get(), "catalyst/insitu/failures")),
+            0);
 }
 
 /// An amrmesh, and its regrid.

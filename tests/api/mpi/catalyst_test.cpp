@@ -244,6 +244,63 @@ TEST_F(Catalyst, NestsetsTellTheRatioOfALevelOfAnotherProcess) {
   EXPECT_NEAR(v[2], 100, 1e-11);
 }
 
+/// Hexagons beside squares on each process, which meet along x = 2 r, and a further topology that
+/// the last process has alone: a mesh of its own, for all.
+TEST_F(Catalyst, PolygonsAndFurtherTopologies) {
+  const int n = ::size();
+  std::vector<double> x, y, f, square_x{90, 91, 91, 90}, square_y{0, 0, 1, 1}, heat{7.0};
+  std::vector<std::int32_t> ids, sizes, square{0, 1, 2, 3};
+  for (int v = 0; v < 9; ++v) {
+    x.push_back(2 * ::rank() + v % 3 + (v == 4 ? 0.125 : 0.0));
+    y.push_back(v / 3);
+    f.push_back(x.back() - 2 * y.back());
+  }
+  ids = {0, 1, 2, 5, 4, 3, 3, 4, 7, 6, 4, 5, 8, 7};
+  sizes = {6, 4, 4};
+  TestNode node;
+  const std::string d = "catalyst/channels/grid/data/", e = d + "topologies/p/elements/";
+  node.set("catalyst/channels/grid/type", "mesh");
+  node.set(d + "coordsets/c/type", "explicit").set(d + "coordsets/c/values/x", x);
+  node.set(d + "coordsets/c/values/y", y).set(d + "topologies/p/coordset", "c");
+  node.set(d + "topologies/p/type", "unstructured").set(e + "shape", "polygonal");
+  node.set(e + "connectivity", ids).set(e + "sizes", sizes);
+  node.set(d + "fields/f/association", "vertex").set(d + "fields/f/topology", "p");
+  node.set(d + "fields/f/values", f);
+  if (::rank() == n - 1) {
+    const std::string q = d + "topologies/q/";
+    node.set(d + "coordsets/s/type", "explicit").set(d + "coordsets/s/values/x", square_x);
+    node.set(d + "coordsets/s/values/y", square_y).set(q + "coordset", "s");
+    node.set(q + "type", "unstructured").set(q + "elements/shape", "quad");
+    node.set(q + "elements/connectivity", square);
+    node.set(d + "fields/heat/association", "element").set(d + "fields/heat/topology", "q");
+    node.set(d + "fields/heat/values", heat);
+  }
+  const std::string path = (folder() / "polygons.yaml").string();
+  if (::rank() == 0)
+    std::ofstream(path)
+        << "insitu: 1\npage: false\nprobes:\n"
+           "  - {name: p, mesh: grid, points: {line: {from: [0, 0.75, 0], to: ["
+        << 2 * n << ", 0.75, 0], count: " << 8 * n + 1
+        << "}}, fields: [f]}\n"
+           "  - {name: q, mesh: grid/q, points: [[90.5, 0.5, 0]], fields: [heat]}\n";
+  MPI_Barrier(MPI_COMM_WORLD);
+  TestNode start, results;
+  start.set("catalyst/scripts/scene", path).set("catalyst/insitu/threads", 1);
+  start.set("catalyst/insitu/output", (folder() / "polygons").string());
+  start.set("catalyst/mpi_comm", std::int64_t(MPI_Comm_c2f(MPI_COMM_WORLD)));
+  ASSERT_EQ(catalyst_initialize(start.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_execute(node.get()), catalyst_status_ok);
+  ASSERT_EQ(catalyst_results(results.get()), catalyst_status_ok);
+  EXPECT_EQ(catalyst_finalize(start.get()), catalyst_status_ok);
+  const std::string probes = "catalyst/insitu/probes/";
+  ASSERT_TRUE(results.has(probes + "p/fields/f") && results.has(probes + "q/fields/heat"));
+  const std::vector<double> values = results.doubles(probes + "p/fields/f");
+  ASSERT_EQ(values.size(), std::size_t(8 * n + 1));
+  for (std::size_t i = 0; i < values.size(); ++i) // every quarter, on the seams too
+    EXPECT_NEAR(values[i], 0.25 * double(i) - 1.5, 1e-13) << i;
+  EXPECT_EQ(results.doubles(probes + "q/fields/heat"), std::vector<double>{7.0});
+}
+
 /// Nothing is executed in that step, on any process, and the run goes on.
 TEST_F(Catalyst, AWrongChannelIsToldToAll) {
   Slab slab = own_slab();

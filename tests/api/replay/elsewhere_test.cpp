@@ -88,6 +88,14 @@ TEST_F(Elsewhere, Exodus) {
               1e-12); // of weights of rounded numbers
   EXPECT_NEAR(table[1].at("linear"), linear({1.5, 1.5, 1.5}), 1e-12);
   EXPECT_TRUE(std::isnan(table[2].at("linear")));
+  const std::string whole_file = contents(path("run.exo"));
+  for (const std::size_t length : {std::size_t(0), std::size_t(100), whole_file.size() / 4,
+                                   whole_file.size() / 2, whole_file.size() - 100}) {
+    put("cut.exo", whole_file.substr(0, length));
+    const Outcome cut = run("--scene scene.yaml --out out_cut cut.exo");
+    EXPECT_EQ(cut.code, 1) << length << " of " << whole_file.size();
+    EXPECT_NE(cut.err.find("cut.exo"), std::string::npos) << length << ": " << cut.err;
+  }
 }
 #endif
 

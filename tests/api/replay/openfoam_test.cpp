@@ -125,6 +125,22 @@ TEST_F(OpenFoamCases, ProcessorsPutTogetherAreTheWhole) {
   }
 }
 
+/// A dry run of a case, whole or in parts, says what is in its first time.
+TEST_F(OpenFoamCases, CheckTellsFieldsAndTimes) {
+  put_scene();
+  whole("whole", {"0", "0.5"});
+  decompose("parts", {"0", "0.5"});
+  put("typo.yaml", "insitu: 1\nprobes:\n  - {name: g, points: [[1, 1, 1]], fields: [P]}\n");
+  for (const std::string name : {"whole", "parts"}) {
+    expect_checked("--scene scene.yaml " + name,
+                   {"mesh 'mesh': " + std::to_string(centres.size()) + " cells, " +
+                        std::to_string(dual.points.size()) + " vertices\n",
+                    "  field 'p' on cells, 1 component\n", "  field 'U' on cells, 3 components\n",
+                    "2 steps\n", "  nothing/g.csv (every cycle)\n", " are kept"});
+    expect_checked("--scene typo.yaml " + name, {"2 steps\n"}, "did you mean 'p'?");
+  }
+}
+
 TEST_F(OpenFoamCases, AProcessorWithoutCellsAddsNothing) {
   put_scene();
   whole("whole", {"0"});

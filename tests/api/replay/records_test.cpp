@@ -304,4 +304,15 @@ frames:
         }
       },
       two);
+  // A dry run tells every mesh, and what the recorded scene would write.
+  const std::string all = "live/record_000000.hdf live/record_000010.hdf";
+  expect_checked(
+      all,
+      {"mesh 'fluid': 27 cells, 64 vertices\n", "mesh 'sea': 27 cells, 64 vertices\n",
+       "  field 'p' on vertices, 1 component\n", "  field 'u' on vertices, 3 components\n",
+       "  field 'c' on cells, 1 component\n", "2 steps\n", "  nothing/drifters.csv (every cycle)\n",
+       "  nothing/fluid_*.png (every cycle)\n", "  nothing/record_*.hdf (every 1)\n", " are kept"});
+  put("typo.yaml",
+      "insitu: 1\nprobes:\n  - {name: a, mesh: fluit, points: [[0.5, 0.5, 0.5]], fields: [p]}\n");
+  expect_checked("--scene typo.yaml " + all, {"2 steps\n"}, "did you mean 'fluid'?");
 }

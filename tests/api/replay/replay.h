@@ -98,6 +98,17 @@ struct Replay : testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("out.txt")),
             contents(path("err.txt"))};
   }
+  /// Expects that a dry run prints these lines, or says `mistake` of an item, and writes nothing
+  /// into the folder `nothing`.
+  void expect_checked(const std::string& arguments, const std::vector<std::string>& lines,
+                      const std::string& mistake = "") const {
+    const Outcome o = run("--check --out nothing " + arguments);
+    EXPECT_EQ(o.code, mistake.empty() ? 0 : 3) << o.err;
+    for (const std::string& line : lines)
+      EXPECT_NE(o.out.find(line), std::string::npos) << line << "\n" << o.out;
+    EXPECT_NE(o.err.find(mistake), std::string::npos) << o.err;
+    EXPECT_FALSE(fs::exists(folder / "nothing"));
+  }
   std::vector<Row> rows(const std::string& name) const {
     std::ifstream in(path(name));
     std::string line, cell;

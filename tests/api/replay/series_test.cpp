@@ -63,6 +63,19 @@ struct Series : Replay {
   }
 };
 
+/// A dry run of an index says what is in the first step, of all its parts.
+TEST_F(Series, CheckTellsPartsAndSteps) {
+  index("i.pvd", {{0.5, {"left.vtu", "right.vtu"}}, {1.5, {"left.vtu"}}, {2.5, {"right.vtu"}}});
+  expect_checked(
+      "--scene scene.yaml i.pvd",
+      {"mesh 'mesh': 16 cells, 54 vertices\n", "  field 'linear' on vertices, 1 component\n",
+       "  field 'v' on vertices, 3 components\n", "3 steps\n", "  nothing/g.nc (every cycle)\n",
+       "  nothing/t_*.vtp (every cycle)\n", "  nothing/f_*.png (every cycle)\n", " are kept"});
+  put("typo.yaml",
+      "insitu: 1\ntracers:\n  - {name: t, velocity: velocty, seeds: [[0.5, 0.5, 0.5]]}\n");
+  expect_checked("--scene typo.yaml i.pvd", {"3 steps\n"}, "did you mean 'velocity'?");
+}
+
 TEST_F(Series, PartsWithoutCellsAddNothing) {
   for (const char* none : {"bare.vtu", "empty.vtu"})
     for (const bool first : {true, false}) {

@@ -156,12 +156,12 @@ TEST_F(Ugrid, FillValuesAreNoValuesAndNumbersAreUnpacked) {
   EXPECT_EQ(table[1].at("temp"), 14.0);
   EXPECT_EQ(table[1].at("salt"), 35.0);
   EXPECT_TRUE(std::isnan(table[2].at("salt")));
-  const Outcome check = run("--check --scene scene.yaml mesh.nc");
-  EXPECT_EQ(check.code, 0) << check.err;
-  for (const char* line :
-       {"mesh 'mesh': 18 cells, 20 vertices\n", "  field 'temp' on vertices, 1 component\n",
-        "  field 'salt' on cells, 1 component\n", "1 step\n"})
-    EXPECT_NE(check.out.find(line), std::string::npos) << line << check.out;
+  expect_checked("--scene scene.yaml mesh.nc",
+                 {"mesh 'mesh': 18 cells, 20 vertices\n",
+                  "  field 'temp' on vertices, 1 component\n",
+                  "  field 'salt' on cells, 1 component\n", "1 step\n"});
+  put("typo.yaml", "insitu: 1\nprobes:\n  - {name: g, points: [[1, 1, 0]], fields: [salts]}\n");
+  expect_checked("--scene typo.yaml mesh.nc", {"1 step\n"}, "did you mean 'salt'?");
 }
 
 /// What is wrong with a file is told with its name, the variable's and the number.

@@ -47,7 +47,8 @@ static inline insitu_blueprint_options insitu_blueprint_options_default(void) {
  *  or has one domain a child, each of which becomes a piece. The library reads arrays where the
  *  solver has them: float32 and float64, int32 and int64 and their unsigned kinds, with any stride,
  *  interleaved or not. It copies integers that are fields, ids of 8 and 16 bits, and shapes of
- * mixed cells whose numbers are not VTK's; the audit names these copies, and strict sessions refuse
+ * mixed cells whose numbers are not VTK's, and what polygons, polyhedra among other shapes and
+ * lists of topologies of one shape become; the audit names these copies, and strict sessions refuse
  * them. The arrays must stay until the next call, or until the mesh is given others. Coordinates
  * and connectivity are compared with those of the step before by value, so the library refits or
  *  rebuilds only where they changed.

@@ -6,6 +6,10 @@
 #include <memory>
 #ifdef REPLAY_CGNS
 #include <vtkCGNSReader.h>
+#ifdef REPLAY_CGNS_LIBRARY
+#include <vtk_cgns.h>
+#include VTK_CGNS(cgns_io.h)
+#endif
 #endif
 #ifdef REPLAY_EXODUS
 #include <vtkExodusIIReader.h>
@@ -13,6 +17,7 @@
 
 #include "read.h"
 #include "runs/netcdf/cf.h"
+#include "runs/netcdf/classic_size.h"
 #include "runs/netcdf/ugrid.h"
 #include "runs/openfoam.h"
 #include "runs/vtk_run.h"
@@ -43,6 +48,7 @@ Kind kind_of(const std::string& path) {
 
 #ifdef REPLAY_EXODUS
 std::unique_ptr<Run> open_exodus(const std::string& path) {
+  require_whole_netcdf(path); // which most of these files are
   const auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
@@ -54,7 +60,23 @@ std::unique_ptr<Run> open_exodus(const std::string& path) {
 #endif
 
 #ifdef REPLAY_CGNS
+/// VTK's reader ends the program where the CGNS library cannot open the file.
+void require_cgns(const std::string& path) {
+#ifdef REPLAY_CGNS_LIBRARY
+  int file = 0;
+  if (cgio_open_file(path.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &file) != CGIO_ERR_NONE) {
+    char message[CGIO_MAX_ERROR_LENGTH + 1] = {};
+    cgio_error_message(message);
+    throw FileError(path, std::string("is no CGNS file, or is cut short: ") + message);
+  }
+  cgio_close_file(file);
+#else
+  (void)path;
+#endif
+}
+
 std::unique_ptr<Run> open_cgns(const std::string& path) {
+  require_cgns(path);
   const auto reader = vtkSmartPointer<vtkCGNSReader>::New();
   reader->SetFileName(path.c_str());
   reader->UpdateInformation();
