@@ -109,10 +109,10 @@ public:
   static void open(MpiWorld* made, const insitu_mpi_functions& mpi, const void* communicator,
                    std::int32_t fortran_communicator, double seconds, const core::Log& log) {
     insitu_mpi_world* world = nullptr;
-    int rank = -1, size = 1, on_this_node = 1, single = 0;
+    int rank = -1, size = 1, on_this_node = 1, cores_here = 1, single = 0;
     char message[INSITU_MPI_MESSAGE] = "";
     const int status = mpi.open(communicator, fortran_communicator, !made, seconds, &world, &rank,
-                                &size, &on_this_node, &single, message);
+                                &size, &on_this_node, &cores_here, &single, message);
     if (status == INSITU_MPI_MEMORY)
       throw AgreedError(INSITU_ERROR_MEMORY, message, rank == 0);
     check(status, message);
@@ -120,6 +120,7 @@ public:
     made->rank_ = rank;
     made->size_ = size;
     made->on_this_node_ = on_this_node;
+    made->cores_here_ = cores_here;
     made->agree_after([&] {
       if (single && rank == 0)
         log.warning("communicator: MPI is initialised for one thread (MPI_THREAD_SINGLE); the "
@@ -131,6 +132,7 @@ public:
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   int on_this_node() const override { return on_this_node_; }
+  int cores_here() const override { return cores_here_; }
   void check_usable() const override {
     char message[INSITU_MPI_MESSAGE] = "";
     check(mpi_.check(message), message);
@@ -179,7 +181,7 @@ private:
 
   const insitu_mpi_functions& mpi_;
   insitu_mpi_world* world_ = nullptr;
-  int rank_ = 0, size_ = 1, on_this_node_ = 1;
+  int rank_ = 0, size_ = 1, on_this_node_ = 1, cores_here_ = 1;
   std::vector<insitu_mpi_part> sends_, receives_; ///< of the transfer that is prepared
 };
 
