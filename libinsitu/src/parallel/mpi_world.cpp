@@ -6,6 +6,7 @@
 #include <link.h>
 #include <new>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include "parallel/mpi/functions.h"
@@ -49,6 +50,19 @@ void refuse_other_mpi() {
                     "; build libinsitu with the program's MPI");
 }
 
+/// What one process alone may lack, which cannot tell the others so without MPI. They wait for it.
+[[noreturn]] void refuse_alone(const char* why) {
+  char host[256] = "", message[2048] = "";
+  gethostname(host, sizeof host - 1);
+  std::snprintf(
+      message, sizeof message,
+      "communicator: %s cannot be used by this process, on host '%s': %s. Processes of the "
+      "communicator that can use it wait for this one; in a checked session "
+      "(INSITU_CHECKED=1) no longer than INSITU_WAIT says",
+      library_name, host, why);
+  throw Error(INSITU_ERROR_UNSUPPORTED, message);
+}
+
 /// The library lies beside the one that this code is in, or where the loader looks. Other processes
 /// wait for this one from here on, so nothing takes memory unless it fails on all.
 void* load() {
@@ -65,7 +79,7 @@ void* load() {
     const std::size_t end = std::strlen(why);
     std::snprintf(why + end, sizeof why - end, "%s%s", end > 0 ? "; " : "", dlerror());
   }
-  throw Error(INSITU_ERROR_UNSUPPORTED, std::string("communicator: ") + why);
+  refuse_alone(why);
 }
 
 const insitu_mpi_functions& functions() {
@@ -75,8 +89,7 @@ const insitu_mpi_functions& functions() {
         reinterpret_cast<const insitu_mpi_functions* (*)()>(dlsym(load(), "insitu_mpi"));
     const insitu_mpi_functions* const all = get ? get() : nullptr;
     if (!all || all->version != INSITU_MPI_VERSION)
-      throw Error(INSITU_ERROR_UNSUPPORTED, std::string("communicator: ") + library_name +
-                                                " is of another version of libinsitu");
+      refuse_alone("it is of another version of libinsitu");
     return all;
   }();
   return *loaded;
