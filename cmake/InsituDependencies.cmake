@@ -9,6 +9,8 @@ find_package(NetCDF REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(Threads REQUIRED)
 
+include(InsituChoices)
+
 # insitu_find(P4EST P4est "..."): sets INSITU_HAVE_P4EST as INSITU_WITH_P4EST says; or else the text tells what there is not.
 macro(insitu_find name package without)
   set(INSITU_HAVE_${name} OFF)
@@ -70,18 +72,7 @@ if(NOT INSITU_WITH_FORTRAN STREQUAL "OFF")
   endif()
 endif()
 
-# Only libinsitu-mpi links MPI, which programs have one of.
-set(INSITU_HAVE_MPI FALSE)
-if(NOT INSITU_WITH_MPI STREQUAL "OFF")
-  find_package(MPI QUIET COMPONENTS C)
-  if(MPI_C_FOUND)
-    set(INSITU_HAVE_MPI TRUE)
-  elseif(INSITU_WITH_MPI STREQUAL "AUTO")
-    message(STATUS "insitu: no MPI - no libinsitu-mpi, sessions are serial")
-  else()
-    message(FATAL_ERROR "insitu: INSITU_WITH_MPI is ${INSITU_WITH_MPI} and no MPI was found")
-  endif()
-endif()
+include(InsituMpi)
 
 # OpenFOAM's function objects. Debian has its libraries; the headers come with its sources (doc/guide/openfoam.md).
 set(INSITU_HAVE_OPENFOAM OFF)

@@ -52,16 +52,16 @@ else()
 endif()
 set(INSITU_TEST_PROCESSES 1 2 3 4 8 CACHE STRING "Numbers of processes that the miniapps are tested on")
 
-# insitu_processes_test(name target processes [LABELS ...] [ARGS ...]): a program on so many processes; Open MPI asks for leave to
-# run as root, and more processes than cores.
+# insitu_processes_test(name target processes [LABELS ...] [ARGS ...] [LAUNCHER ...]): a program on so many processes, each by way of
+# the launcher if there is one; Open MPI asks for leave to run as root, and more processes than cores.
 function(insitu_processes_test name target processes)
-  cmake_parse_arguments(T "" "" "LABELS;ARGS" ${ARGN})
+  cmake_parse_arguments(T "" "" "LABELS;ARGS;LAUNCHER" ${ARGN})
   if(NOT T_LABELS)
     set(T_LABELS api)
   endif()
   set(folder ${CMAKE_CURRENT_BINARY_DIR}/${name}_run)
   file(MAKE_DIRECTORY ${folder})
-  add_test(NAME ${name} COMMAND ${INSITU_MPIEXEC} -n ${processes} $<TARGET_FILE:${target}> ${T_ARGS} WORKING_DIRECTORY ${folder})
+  add_test(NAME ${name} COMMAND ${INSITU_MPIEXEC} -n ${processes} ${T_LAUNCHER} $<TARGET_FILE:${target}> ${T_ARGS} WORKING_DIRECTORY ${folder})
   set_tests_properties(${name} PROPERTIES TIMEOUT 120 LABELS "${T_LABELS}")
   insitu_mpi_tests(${name})
   set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1

@@ -1,10 +1,12 @@
 !> Heat in an insulated ring, a decaying mode on a mesh of wedges: the Fortran miniapp, coupled. It
 !! prints cycle, time, energy, the extremes of the temperature and the error against the closed form,
-!! and at the end where the time went. The solver runs on when the library cannot.
+!! and at the end where the time went. The solver runs on when the library cannot. On several processes
+!! (mpirun -n 4 heat ...) the first one alone prints.
 program heat
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit, real64
   use heat_case, only: initial_heat, largest_error
   use heat_coupling, only: couple
+  use heat_processes, only: processes_type
   use heat_solver, only: heat_type, nhalo
   use insitu
   implicit none
@@ -18,6 +20,7 @@ program heat
   end type options_type
 
   type(options_type) :: options
+  type(processes_type) :: processes
   type(heat_type), target :: model
   type(insitu_session) :: session
   type(insitu_mesh) :: mesh
@@ -26,15 +29,16 @@ program heat
   integer :: cycle, ierr
   logical :: coupled
 
+  call processes%launch()
   call read_options(options)
-  call initial_heat(options%resolution, model)
+  call initial_heat(options%resolution, model, processes)
   dt = model%stable_step()
   energy = model%energy()
-  write (output_unit, '(2(a, i0), a)') 'heat: ', model%mesh%ncells(), ' wedges in ', &
-      model%mesh%nlevels, ' levels'
+  if (processes%is_root()) write (output_unit, '(2(a, i0), a)') 'heat: ', &
+      model%mesh%ncolumns * model%mesh%all_levels, ' wedges in ', model%mesh%all_levels, ' levels'
 
   call session%open(scene=options%scene, output=options%output, threads=options%library_threads, &
-                    ierr=ierr)
+                    communicator=processes%communicator, ierr=ierr)
   if (ierr == insitu_ok) call couple(session, model, mesh, ierr)
   coupled = ierr == insitu_ok
   if (.not. coupled) call complain('not coupled')
@@ -52,6 +56,7 @@ program heat
   call print_summary()
   call session%close(ierr)
   if (ierr /= insitu_ok) call complain('close')
+  call processes%finish()
 
 contains
 
@@ -66,26 +71,43 @@ contains
 
   subroutine complain(what)
     character(len=*), intent(in) :: what
-    write (error_unit, '(6a)') 'heat: ', what, ': ', insitu_status_name(ierr), ': ', session%message()
+    if (processes%is_root()) write (error_unit, '(6a)') 'heat: ', what, ': ', insitu_status_name(ierr), ': ', session%message()
   end subroutine complain
 
   subroutine print_cycle(cycle)
     integer, intent(in) :: cycle
+    real(real64) :: drift, coldest, warmest, error
     if (options%quiet) return
+    drift = model%energy() / energy - 1.0_real64
     associate (t => model%t(:, 1 + nhalo:model%mesh%nlevels + nhalo))
-      write (output_unit, '(a, i6, a, es12.5, a, es8.1, 2(a, f9.6), a, es9.2)') 'cycle ', cycle, &
-          '  time ', model%time, '  drift ', model%energy() / energy - 1.0_real64, &
-          '  temperature ', minval(t), ' to ', maxval(t), '  error ', largest_error(model)
+      coldest = -processes%largest(-minval(t))
+      warmest = processes%largest(maxval(t))
     end associate
+    error = largest_error(model)
+    if (processes%is_root()) write (output_unit, '(a, i6, a, es12.5, a, es8.1, 2(a, f9.6), a, es9.2)') &
+        'cycle ', cycle, '  time ', model%time, '  drift ', drift, '  temperature ', coldest, ' to ', &
+        warmest, '  error ', error
   end subroutine print_cycle
 
   subroutine print_summary()
+    real(real64) :: drift, error
+
+    drift = model%energy() / energy - 1.0_real64
+    error = largest_error(model)
+    if (processes%is_root()) write (output_unit, '(a, i0, a, f7.3, a, es8.1, a, es9.2)') 'heat: ', &
+        options%cycles, ' cycles, solver ', solver_s, ' s, energy drift ', drift, ', error ', error
+    if (.not. coupled) return
+    if (processes%is_root()) call print_report()
+    if (options%output /= '') then
+      call session%write_summary(trim(options%output) // '/summary.json', ierr, solver_s=solver_s)
+      if (ierr /= insitu_ok) call complain('summary')
+    end if
+  end subroutine print_summary
+
+  !> Of this process.
+  subroutine print_report()
     type(insitu_report) :: report
 
-    write (output_unit, '(a, i0, a, f7.3, a, es8.1, a, es9.2)') 'heat: ', options%cycles, &
-        ' cycles, solver ', solver_s, ' s, energy drift ', model%energy() / energy - 1.0_real64, &
-        ', error ', largest_error(model)
-    if (.not. coupled) return
     call session%report(report, ierr)
     write (output_unit, '(5(a, f7.3), a)') 'library: commit ', report%commit_s, ' s, query ', &
         report%query_s, ' s, advect ', report%advect_s, ' s, render ', report%render_s, &
@@ -94,11 +116,7 @@ contains
         ' MB of the solver''s read in place, ', 1.0e-6 * real(report%bytes_held), ' MB held'
     write (output_unit, '(4(i0, a))') report%frames, ' frames, ', report%probe_rows, &
         ' probe rows, ', report%files, ' files, ', report%failures, ' failures'
-    if (options%output /= '') then
-      call session%write_summary(trim(options%output) // '/summary.json', ierr, solver_s=solver_s)
-      if (ierr /= insitu_ok) call complain('summary')
-    end if
-  end subroutine print_summary
+  end subroutine print_report
 
   subroutine read_options(options)
     type(options_type), intent(out) :: options

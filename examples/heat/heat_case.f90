@@ -3,6 +3,7 @@ module heat_case
   use, intrinsic :: iso_fortran_env, only: real64
   use heat_mesh, only: mesh_type, ring_mesh
   use heat_mode, only: mode_type
+  use heat_processes, only: processes_type
   use heat_solver, only: heat_type, nhalo
   implicit none
   private
@@ -18,14 +19,18 @@ module heat_case
 
 contains
 
-  !> The ring with `resolution` cells across, and half as many levels, at time 0.
-  subroutine initial_heat(resolution, model)
+  !> The ring with `resolution` cells across, and half as many levels, at time 0; of several processes,
+  !! those of this one.
+  subroutine initial_heat(resolution, model, processes)
     integer, intent(in) :: resolution
     type(heat_type), intent(out) :: model
+    type(processes_type), intent(in), optional :: processes
+    type(processes_type) :: among
     type(mesh_type) :: mesh
 
+    if (present(processes)) among = processes
     mesh = ring_mesh(inner, outer, height, resolution, angular_per_radial * resolution, &
-                     (resolution + 1) / 2, twist)
+                     (resolution + 1) / 2, twist, among)
     call model%start(mesh, exact(mesh, 0.0_real64), diffusivity)
   end subroutine initial_heat
 
@@ -39,16 +44,16 @@ contains
 
     mode = mode_type(inner, outer, height)
     do k = 1, mesh%nlevels
-      t(:, k) = even + swing * mode%value(mesh%centre(1, :), mesh%centre(2, :), mesh%level_z(k), &
+      t(:, k) = even + swing * mode%value(mesh%centre(1, :), mesh%centre(2, :), mesh%level_z(k + mesh%below), &
                                           diffusivity, time)
     end do
   end function exact
 
-  !> Largest difference from the closed form at the cells' middles.
+  !> Largest difference from the closed form at the cells' middles, of all processes.
   real(real64) function largest_error(model)
     type(heat_type), intent(in) :: model
-    largest_error = maxval(abs(model%t(:, 1 + nhalo:model%mesh%nlevels + nhalo) &
-                               - exact(model%mesh, model%time)))
+    largest_error = model%mesh%processes%largest(maxval(abs( &
+        model%t(:, 1 + nhalo:model%mesh%nlevels + nhalo) - exact(model%mesh, model%time))))
   end function largest_error
 
   !> Largest difference of the vertices' flux from the closed form's, by central differences.

@@ -24,6 +24,8 @@ contains
       call mesh%cell_field('temperature', model%t(:, 1 + nhalo:model%mesh%nlevels + nhalo), ierr)
     end if
     if (ierr == insitu_ok) call mesh%vertex_field('flux', model%flux, ierr, vector=.true.)
+    if (ierr == insitu_ok) call mesh%global_cells(model%mesh%cell_ids, ierr)
+    if (ierr == insitu_ok) call mesh%global_vertices(model%mesh%vertex_ids, ierr)
   end subroutine couple
 
 end module heat_coupling

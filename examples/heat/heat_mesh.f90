@@ -1,9 +1,12 @@
 !> A layered mesh of wedges: a triangulated ring (columns), extruded into levels.
 !!
 !! Vertex v of interface k has id v + (k - 1)*nv, the cell of column c in level k has id
-!! c + (k - 1)*ncolumns; both count from 1 and from the bottom.
+!! c + (k - 1)*ncolumns; both count from 1 and from the bottom. Of several processes each has some levels
+!! and the interfaces around them, and its own ids count these; a process without a level has an
+!! interface's vertices.
 module heat_mesh
-  use, intrinsic :: iso_fortran_env, only: int32, real64
+  use, intrinsic :: iso_fortran_env, only: int32, int64, real64
+  use heat_processes, only: processes_type
   implicit none
   private
 
@@ -17,14 +20,18 @@ module heat_mesh
   type, public :: mesh_type
     integer :: nv = 0                                    !< vertices of one interface
     integer :: ncolumns = 0
-    integer :: nlevels = 0
+    integer :: nlevels = 0                               !< of this process
+    integer :: all_levels = 0
+    integer :: below = 0                                 !< levels of other processes below these
+    type(processes_type) :: processes
+    integer(int64), allocatable :: cell_ids(:), vertex_ids(:) !< in the whole mesh, from 0
     real(real64), allocatable :: x(:), y(:), z(:)        !< all vertices: nv*(nlevels + 1)
     integer(int32), allocatable :: connectivity(:,:)     !< (6, ncells), VTK's order
     integer, allocatable :: triangle(:,:)                !< (3, ncolumns), counter-clockwise from above
     real(real64), allocatable :: area(:)                 !< (ncolumns)
     real(real64), allocatable :: centre(:,:)             !< (2, ncolumns), the centroids
-    real(real64), allocatable :: interface_z(:)          !< (nlevels + 1)
-    real(real64), allocatable :: level_z(:)              !< (nlevels), the middles
+    real(real64), allocatable :: interface_z(:)          !< (all_levels + 1)
+    real(real64), allocatable :: level_z(:)              !< (all_levels), the middles
     integer, allocatable :: edge_vertices(:,:)           !< (2, nedges), edges between two columns
     integer, allocatable :: edge_columns(:,:)            !< (2, nedges), the column on either side
     integer, allocatable :: star_start(:)                !< (nv + 1), into star
@@ -43,14 +50,18 @@ contains
 
   !> The ring inner <= r <= outer, 0 <= z <= height, of nradial x nangular quads, each cut in two.
   !! Radial mesh lines are spirals that turn by `twist` radians from the inner to the outer wall.
-  function ring_mesh(inner, outer, height, nradial, nangular, nlevels, twist) result(mesh)
+  function ring_mesh(inner, outer, height, nradial, nangular, nlevels, twist, processes) result(mesh)
     real(real64), intent(in) :: inner, outer, height, twist
     integer, intent(in) :: nradial, nangular, nlevels
+    type(processes_type), intent(in) :: processes
     type(mesh_type) :: mesh
 
     mesh%nv = (nradial + 1) * nangular
     mesh%ncolumns = 2 * nradial * nangular
-    mesh%nlevels = nlevels
+    mesh%processes = processes
+    mesh%all_levels = nlevels
+    mesh%below = processes%levels_below(nlevels, processes%rank)
+    mesh%nlevels = processes%levels_below(nlevels, processes%rank + 1) - mesh%below
     call place_vertices(mesh, inner, outer, height, nradial, nangular, twist)
     call cut_triangles(mesh, nradial, nangular)
     call extrude(mesh)
@@ -66,13 +77,13 @@ contains
     real(real64) :: share, angle, radius
     integer :: i, j, k, v
 
-    allocate (mesh%interface_z(mesh%nlevels + 1))
-    do k = 1, mesh%nlevels + 1
-      share = real(k - 1, real64) / real(mesh%nlevels, real64)
+    allocate (mesh%interface_z(mesh%all_levels + 1))
+    do k = 1, mesh%all_levels + 1
+      share = real(k - 1, real64) / real(mesh%all_levels, real64)
       mesh%interface_z(k) = height * (share - crowding * sin(2.0_real64 * pi * share))
     end do
-    mesh%interface_z(mesh%nlevels + 1) = height
-    mesh%level_z = 0.5_real64 * (mesh%interface_z(:mesh%nlevels) + mesh%interface_z(2:))
+    mesh%interface_z(mesh%all_levels + 1) = height
+    mesh%level_z = 0.5_real64 * (mesh%interface_z(:mesh%all_levels) + mesh%interface_z(2:))
 
     allocate (mesh%x(mesh%nv * (mesh%nlevels + 1)))
     allocate (mesh%y, mesh%z, mold=mesh%x)
@@ -84,9 +95,12 @@ contains
         v = 1 + i + j * nangular
         mesh%x(v::mesh%nv) = radius * cos(angle)
         mesh%y(v::mesh%nv) = radius * sin(angle)
-        mesh%z(v::mesh%nv) = mesh%interface_z
+        mesh%z(v::mesh%nv) = mesh%interface_z(mesh%below + 1:mesh%below + mesh%nlevels + 1)
       end do
     end do
+    allocate (mesh%vertex_ids(size(mesh%x)), mesh%cell_ids(mesh%ncells()))
+    mesh%vertex_ids(:) = [(int(mesh%below, int64) * mesh%nv + v - 1, v=1, size(mesh%x))]
+    mesh%cell_ids(:) = [(int(mesh%below, int64) * mesh%ncolumns + v - 1, v=1, mesh%ncells())]
   end subroutine place_vertices
 
   subroutine cut_triangles(mesh, nradial, nangular)

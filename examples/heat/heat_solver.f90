@@ -4,13 +4,16 @@
 !! Coudiere, Vila and Villedieu, M2AN 33 (1999), section 2), so columns need not be orthogonal; the
 !! vertices' temperatures come from a weighted least-squares plane through the cells around each.
 !! Every flux leaves one cell and enters another: energy is kept to rounding. All walls insulate.
+!!
+!! A process has the level below its own and the one above as ghost levels, so each number is made of the
+!! same ones, in the same order, on any number of processes.
 module heat_solver
   use, intrinsic :: iso_fortran_env, only: real64
   use heat_mesh, only: mesh_type
   implicit none
   private
 
-  !> Ghost levels below the bottom and above the top, kept equal to their neighbours.
+  !> Ghost levels below the bottom and above the top: other processes', or equal to the levels beside walls.
   integer, parameter, public :: nhalo = 1
 
   !> Share of the largest stable step of the two-point scheme; the diamond scheme's is smaller.
@@ -28,7 +31,7 @@ module heat_solver
     real(real64), allocatable, private :: weight(:,:)    !< (3, size(star)): value, d/dx, d/dy
     real(real64), allocatable, private :: along(:)       !< per edge: weight of the columns' difference
     real(real64), allocatable, private :: across(:)      !< per edge: weight of the vertices' difference
-    real(real64), allocatable, private :: gap(:)         !< (nlevels + 1) between the levels' middles
+    real(real64), allocatable, private :: gap(:)         !< (all_levels + 1) between the levels' middles
   contains
     procedure :: start
     procedure :: stable_step
@@ -45,9 +48,10 @@ contains
     type(mesh_type), intent(in) :: mesh
     real(real64), intent(in) :: temperature(:,:)
     real(real64), intent(in) :: diffusivity
-    integer :: nlevels
+    integer :: nlevels, all
 
     nlevels = mesh%nlevels
+    all = mesh%all_levels
     self%mesh = mesh
     self%diffusivity = diffusivity
     allocate (self%t(mesh%ncolumns, nhalo + nlevels + nhalo), source=0.0_real64)
@@ -55,10 +59,10 @@ contains
     allocate (self%flux(3, size(mesh%x)), source=0.0_real64)
     self%t(:, 1 + nhalo:nlevels + nhalo) = temperature
 
-    allocate (self%gap(nlevels + 1))
+    allocate (self%gap(all + 1))
     self%gap(1) = 2.0_real64 * (mesh%level_z(1) - mesh%interface_z(1))
-    self%gap(2:nlevels) = mesh%level_z(2:) - mesh%level_z(:nlevels - 1)
-    self%gap(nlevels + 1) = 2.0_real64 * (mesh%interface_z(nlevels + 1) - mesh%level_z(nlevels))
+    self%gap(2:all) = mesh%level_z(2:) - mesh%level_z(:all - 1)
+    self%gap(all + 1) = 2.0_real64 * (mesh%interface_z(all + 1) - mesh%level_z(all))
     call fit_vertices(self)
     call weigh_edges(self)
     call refresh(self)
@@ -78,7 +82,7 @@ contains
       end associate
     end do
     upwards = 0.0_real64
-    do k = 1, self%mesh%nlevels
+    do k = 1, self%mesh%all_levels
       upwards = max(upwards, (1.0_real64 / self%gap(k) + 1.0_real64 / self%gap(k + 1)) &
                              / (self%mesh%interface_z(k + 1) - self%mesh%interface_z(k)))
     end do
@@ -92,14 +96,16 @@ contains
     real(real64) :: gain(size(self%mesh%area)), below(size(self%mesh%area))
     real(real64) :: above(size(self%mesh%area))
     real(real64) :: flow, thickness
-    integer :: e, k, level
+    integer :: e, k, level, first
 
+    first = self%mesh%below + 1
     below = 0.0_real64                                   ! heat that enters through the lower face
-    do level = 1, self%mesh%nlevels
-      k = level + nhalo
+    if (first > 1) below = (self%t(:, nhalo) - self%t(:, nhalo + 1)) / self%gap(first) * self%mesh%area
+    do level = first, self%mesh%below + self%mesh%nlevels
+      k = level - self%mesh%below + nhalo
       thickness = self%mesh%interface_z(level + 1) - self%mesh%interface_z(level)
       above = 0.0_real64                                 ! the upper wall insulates
-      if (level < self%mesh%nlevels) then
+      if (level < self%mesh%all_levels) then
         above = (self%t(:, k) - self%t(:, k + 1)) / self%gap(level + 1) * self%mesh%area
       end if
       gain = below - above
@@ -118,15 +124,21 @@ contains
     call refresh(self)
   end subroutine step
 
-  !> The temperature's integral.
-  pure real(real64) function energy(self)
+  !> The temperature's integral, summed from level to level.
+  real(real64) function energy(self)
     class(heat_type), intent(in) :: self
+    real(real64) :: of_level(self%mesh%all_levels)
     integer :: k
 
+    of_level = 0.0_real64
+    do k = self%mesh%below + 1, self%mesh%below + self%mesh%nlevels
+      of_level(k) = dot_product(self%mesh%area, self%t(:, k - self%mesh%below + nhalo)) &
+                  * (self%mesh%interface_z(k + 1) - self%mesh%interface_z(k))
+    end do
+    call self%mesh%processes%join(of_level)
     energy = 0.0_real64
-    do k = 1, self%mesh%nlevels
-      energy = energy + dot_product(self%mesh%area, self%t(:, k + nhalo)) &
-                      * (self%mesh%interface_z(k + 1) - self%mesh%interface_z(k))
+    do k = 1, self%mesh%all_levels
+      energy = energy + of_level(k)
     end do
   end function energy
 
@@ -135,19 +147,21 @@ contains
     class(heat_type), intent(inout) :: self
     real(real64) :: lower(2, self%mesh%nv), upper(2, self%mesh%nv)
     real(real64) :: share
-    integer :: k, first, last
+    integer :: k, level, first, last
 
+    if (self%mesh%nlevels == 0) return
     lower = slopes(self, nhalo)
     do k = 1, self%mesh%nlevels + 1                      ! interface k: between t's k and k + 1
+      level = k + self%mesh%below
       upper = slopes(self, k + nhalo)
       share = 0.5_real64
-      if (k > 1 .and. k <= self%mesh%nlevels) then
-        share = (self%mesh%interface_z(k) - self%mesh%level_z(k - 1)) / self%gap(k)
+      if (level > 1 .and. level <= self%mesh%all_levels) then
+        share = (self%mesh%interface_z(level) - self%mesh%level_z(level - 1)) / self%gap(level)
       end if
       first = 1 + (k - 1) * self%mesh%nv
       last = k * self%mesh%nv
       self%flux(1:2, first:last) = -self%diffusivity * ((1.0_real64 - share) * lower + share * upper)
-      self%flux(3, first:last) = -self%diffusivity / self%gap(k) &
+      self%flux(3, first:last) = -self%diffusivity / self%gap(level) &
           * (self%vertex_t(:, k + nhalo) - self%vertex_t(:, k + nhalo - 1))
       lower = upper
     end do
@@ -167,16 +181,21 @@ contains
     end do
   end function slopes
 
-  !> Ghost levels as insulated walls have them, then the vertices' temperatures.
+  !> Ghost levels as insulated walls and other processes have them, then the vertices' temperatures.
   subroutine refresh(self)
     class(heat_type), intent(inout) :: self
-    integer :: k, v, s, top
+    integer :: k, v, s, top, down, up
 
+    if (self%mesh%nlevels == 0) return
     top = self%mesh%nlevels + nhalo
-    do k = 1, nhalo
-      self%t(:, nhalo + 1 - k) = self%t(:, nhalo + k)
-      self%t(:, top + k) = self%t(:, top + 1 - k)
-    end do
+    self%t(:, nhalo) = self%t(:, nhalo + 1)
+    self%t(:, top + nhalo) = self%t(:, top)
+    associate (all => self%mesh%processes, levels => self%mesh%all_levels, below => self%mesh%below)
+      down = all%holder(levels, below)
+      up = all%holder(levels, below + self%mesh%nlevels + 1)
+      call all%swap(self%t(:, top:top), up, self%t(:, nhalo:nhalo), down)
+      call all%swap(self%t(:, nhalo + 1:nhalo + 1), down, self%t(:, top + nhalo:top + nhalo), up)
+    end associate
     do k = 1, top + nhalo
       do v = 1, self%mesh%nv
         self%vertex_t(v, k) = 0.0_real64

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Runs a case of tests/regression/cases alone and on several processes, and compares what is written, byte by byte.
-#   processes.sh --bin DIR --work DIR [--only REGEX] [--stop CYCLE | --replay] CASE N [N ...]
+#   processes.sh --bin DIR --work DIR [--only REGEX] [--thin] [--stop CYCLE | --replay] CASE N [N ...]
 # --bin: where the miniapps are; --work: a folder to run in, emptied first; --only: the files to compare, such as
-# 'gauges|blast_' (all tables and images); N: numbers of processes. With --stop, which the miniapp has to know, a run stops some
+# 'gauges|blast_' (all tables and images); N: numbers of processes. With --thin the scene is changed by the case's `thin` (sed), so that
+# it costs less. With --stop, which the miniapp has to know, a run stops some
 # cycles after that one, on each of N, and goes on on the next of N from the checkpoint of that cycle; the last ends the run.
 # With --replay every cycle is recorded on each of N processes (1: without MPI), and what insitu-replay makes of the records is
 # compared with what the run alone wrote.
@@ -10,7 +11,7 @@
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-bin= work= only=. stop= replay=
+bin= work= only=. stop= replay= thinned=
 while [ $# -gt 0 ]; do
   case $1 in
     --bin) bin=$(cd "$2" && pwd); shift 2 ;;
@@ -18,7 +19,8 @@ while [ $# -gt 0 ]; do
     --only) only=$2; shift 2 ;;
     --stop) stop=$2; shift 2 ;;
     --replay) replay=1; shift ;;
-    --help|-h) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --thin) thinned=1; shift ;;
+    --help|-h) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     -*) echo "processes.sh: no option '$1'; see --help" >&2; exit 2 ;;
     *) break ;;
   esac
@@ -33,6 +35,10 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_
 
 scene=$work/scene.yaml more=()
 cp "$here/cases/$name/scene.yaml" "$scene"
+if [ -n "$thinned" ]; then
+  sed -i "${thin[@]}" "$scene"
+  ! cmp -s "$here/cases/$name/scene.yaml" "$scene" || { echo "processes.sh: $name is not thinned" >&2; exit 2; }
+fi
 run() { # folder, launcher ...
   local folder=$work/$1
   shift

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <iterator>
 #include <map>
-#include <unistd.h>
 
 #include "api/array_watch.h"
 #include "api/meshes_of_all.h"
@@ -89,8 +88,7 @@ int Processes::threads(const insitu_session_options& options) const {
   check(options);
   if (options.threads > 0 || size() == 1)
     return options.threads;
-  const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-  return int(std::max(1L, cores / world_->on_this_node()));
+  return std::max(1, world_->cores_here() / world_->on_this_node());
 }
 
 void Processes::wait_for_all(const std::string& call) {

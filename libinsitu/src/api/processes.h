@@ -28,9 +28,9 @@ public:
   const parallel::World& world() const { return *world_; }
   int size() const { return world_->size(); }
 
-  /// How many threads a session of these options may have here: the node's cores divided by its
-  /// processes, unless the options say it. Throws core::Error for options with which no session is
-  /// made.
+  /// How many threads a session of these options may have here: the cores that the node's processes
+  /// may use, divided by their number, unless the options say it. Throws core::Error for options
+  /// with which no session is made.
   int threads(const insitu_session_options& options) const;
 
   /// In a checked session, waits for all processes, for as many seconds as the environment's

@@ -43,9 +43,9 @@ void add_seconds(output::JsonText& json, const char* key, const scene::Seconds& 
 
 /// Numbers that each process has, over all processes.
 struct Spread {
-  enum Number { halo_cells, halo_bytes, messages_sent, bytes_sent, work_ns, count };
-  static constexpr const char* names[] = {"halo_cells", "halo_bytes", "messages_sent", "bytes_sent",
-                                          "work_seconds"};
+  enum Number { threads, halo_cells, halo_bytes, messages_sent, bytes_sent, work_ns, count };
+  static constexpr const char* names[] = {"threads",       "halo_cells", "halo_bytes",
+                                          "messages_sent", "bytes_sent", "work_seconds"};
   std::array<std::int64_t, count> least{}, sum{}, greatest{};
 
   explicit Spread(const std::array<std::int64_t, count>& mine)
@@ -199,8 +199,9 @@ void Session::write_summary(const std::string& path, double solver_seconds) {
     }
   });
   const insitu_report& mine = totals.report; // before they are added up
-  Spread spread({mine.halo_cells, mine.bytes_by_purpose[INSITU_MEMORY_HALO], mine.messages_sent,
-                 mine.bytes_sent, std::llround(1e9 * statistics_.work_s)});
+  Spread spread({context_.threads.count(), mine.halo_cells,
+                 mine.bytes_by_purpose[INSITU_MEMORY_HALO], mine.messages_sent, mine.bytes_sent,
+                 std::llround(1e9 * statistics_.work_s)});
   spread.over(world);
   totals.add_up(world);
   totals.seconds = scene::seconds_of_all(scene::seconds_of(statistics_), world);

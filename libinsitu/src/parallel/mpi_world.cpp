@@ -6,6 +6,7 @@
 #include <link.h>
 #include <new>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include "parallel/mpi/functions.h"
@@ -49,6 +50,19 @@ void refuse_other_mpi() {
                     "; build libinsitu with the program's MPI");
 }
 
+/// What one process alone may lack, which cannot tell the others so without MPI. They wait for it.
+[[noreturn]] void refuse_alone(const char* why) {
+  char host[256] = "", message[2048] = "";
+  gethostname(host, sizeof host - 1);
+  std::snprintf(
+      message, sizeof message,
+      "communicator: %s cannot be used by this process, on host '%s': %s. Processes of the "
+      "communicator that can use it wait for this one; in a checked session "
+      "(INSITU_CHECKED=1) no longer than INSITU_WAIT says",
+      library_name, host, why);
+  throw Error(INSITU_ERROR_UNSUPPORTED, message);
+}
+
 /// The library lies beside the one that this code is in, or where the loader looks. Other processes
 /// wait for this one from here on, so nothing takes memory unless it fails on all.
 void* load() {
@@ -65,7 +79,7 @@ void* load() {
     const std::size_t end = std::strlen(why);
     std::snprintf(why + end, sizeof why - end, "%s%s", end > 0 ? "; " : "", dlerror());
   }
-  throw Error(INSITU_ERROR_UNSUPPORTED, std::string("communicator: ") + why);
+  refuse_alone(why);
 }
 
 const insitu_mpi_functions& functions() {
@@ -75,8 +89,7 @@ const insitu_mpi_functions& functions() {
         reinterpret_cast<const insitu_mpi_functions* (*)()>(dlsym(load(), "insitu_mpi"));
     const insitu_mpi_functions* const all = get ? get() : nullptr;
     if (!all || all->version != INSITU_MPI_VERSION)
-      throw Error(INSITU_ERROR_UNSUPPORTED, std::string("communicator: ") + library_name +
-                                                " is of another version of libinsitu");
+      refuse_alone("it is of another version of libinsitu");
     return all;
   }();
   return *loaded;
@@ -109,10 +122,10 @@ public:
   static void open(MpiWorld* made, const insitu_mpi_functions& mpi, const void* communicator,
                    std::int32_t fortran_communicator, double seconds, const core::Log& log) {
     insitu_mpi_world* world = nullptr;
-    int rank = -1, size = 1, on_this_node = 1, single = 0;
+    int rank = -1, size = 1, on_this_node = 1, cores_here = 1, single = 0;
     char message[INSITU_MPI_MESSAGE] = "";
     const int status = mpi.open(communicator, fortran_communicator, !made, seconds, &world, &rank,
-                                &size, &on_this_node, &single, message);
+                                &size, &on_this_node, &cores_here, &single, message);
     if (status == INSITU_MPI_MEMORY)
       throw AgreedError(INSITU_ERROR_MEMORY, message, rank == 0);
     check(status, message);
@@ -120,6 +133,7 @@ public:
     made->rank_ = rank;
     made->size_ = size;
     made->on_this_node_ = on_this_node;
+    made->cores_here_ = cores_here;
     made->agree_after([&] {
       if (single && rank == 0)
         log.warning("communicator: MPI is initialised for one thread (MPI_THREAD_SINGLE); the "
@@ -131,6 +145,7 @@ public:
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   int on_this_node() const override { return on_this_node_; }
+  int cores_here() const override { return cores_here_; }
   void check_usable() const override {
     char message[INSITU_MPI_MESSAGE] = "";
     check(mpi_.check(message), message);
@@ -179,7 +194,7 @@ private:
 
   const insitu_mpi_functions& mpi_;
   insitu_mpi_world* world_ = nullptr;
-  int rank_ = 0, size_ = 1, on_this_node_ = 1;
+  int rank_ = 0, size_ = 1, on_this_node_ = 1, cores_here_ = 1;
   std::vector<insitu_mpi_part> sends_, receives_; ///< of the transfer that is prepared
 };
 

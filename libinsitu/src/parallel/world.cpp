@@ -8,6 +8,7 @@
 #include <new>
 #include <optional>
 #include <time.h>
+#include <unistd.h>
 
 namespace insitu::parallel {
 
@@ -121,6 +122,10 @@ private:
   double seconds_ = seconds_by(CLOCK_MONOTONIC);
   double processor_seconds_ = seconds_by(CLOCK_THREAD_CPUTIME_ID);
 };
+
+int World::cores_here() const {
+  return int(sysconf(_SC_NPROCESSORS_ONLN));
+}
 
 void World::reduce(std::span<std::int64_t> values, Reduction reduction) {
   if (size() == 1)

@@ -60,6 +60,9 @@ public:
   virtual int size() const = 0;
   /// How many of the processes run on this one's node, itself among them.
   virtual int on_this_node() const = 0;
+  /// How many of this node's cores any of these may use; all of them, where a World knows no
+  /// better.
+  virtual int cores_here() const;
   bool is_root() const { return rank() == 0; }
   /// Throws core::Error (INSITU_ERROR_ORDER) if messages cannot be sent any more, or not from this
   /// thread. Not collective.

@@ -16,10 +16,10 @@ inline int size() {
 }
 
 /// Every process runs all tests; that of rank 0 prints, the others where they fail.
-inline int run_on_all_processes(int argc, char** argv) {
+inline int run_on_all_processes(int argc, char** argv, int threads = MPI_THREAD_FUNNELED) {
   testing::InitGoogleTest(&argc, argv);
   int level = 0, rank = 0;
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &level);
+  MPI_Init_thread(&argc, &argv, threads, &level);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank > 0) {
     auto& listeners = testing::UnitTest::GetInstance()->listeners();

@@ -1,18 +1,27 @@
 /// Sessions over processes: mpiexec -n 1, 3. One process errs, and all hear of it; nobody hangs.
+/// INSITU_TEST_SINGLE: MPI is initialised for one thread; INSITU_TEST_BOUND: all processes are
+/// bound to one core.
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <insitu/insitu.hpp>
+#include <sched.h>
 #include <string>
 #include <thread>
+#include <unistd.h>
 #include <vector>
 
 #include "api/mpi/main.h"
 
 namespace {
 
+bool is_asked(const char* name) {
+  return std::getenv(name) != nullptr;
+}
 bool is_last() {
   return rank() == size() - 1;
 }
@@ -214,6 +223,49 @@ TEST(Sessions, OfOtherGroupsWorkBesideIt) {
   MPI_Comm_free(&part);
 }
 
+/// The least and the greatest number of threads of the processes' sessions, as the summary tells.
+std::pair<int, int> threads_of(int asked) {
+  const std::string summary = "threads_" + std::to_string(size()) + ".json";
+  {
+    Solver solver([=](insitu::Options& o) { o.threads = asked; });
+    EXPECT_EQ(solver.error, "");
+    solver.session->write_summary(summary);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::ifstream in(summary);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto after = [&](const char* key, std::size_t from) {
+    const std::size_t at = text.find(key, from);
+    EXPECT_NE(at, std::string::npos) << text;
+    return std::pair(std::atoi(text.c_str() + at + std::strlen(key)), at);
+  };
+  const auto least = after("\"least\": ", text.find("\"threads\""));
+  const int greatest = after("\"greatest\": ", least.second).first;
+  MPI_Barrier(MPI_COMM_WORLD);
+  return {least.first, greatest};
+}
+
+/// Each process has its share of the cores that any of them may use, within its own affinity.
+TEST(Sessions, ThreadsAreAProcesssShareOfTheCores) {
+  if (size() == 1)
+    GTEST_SKIP() << "one process has all that its affinity allows";
+  cpu_set_t mine, all;
+  ASSERT_EQ(sched_getaffinity(getpid(), sizeof mine, &mine), 0);
+  MPI_Allreduce(&mine, &all, sizeof all, MPI_BYTE, MPI_BOR, MPI_COMM_WORLD);
+  const auto expect = [&](int asked, int share) {
+    const int here = std::min(share, CPU_COUNT(&mine));
+    int least = 0, greatest = 0;
+    MPI_Allreduce(&here, &least, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    MPI_Allreduce(&here, &greatest, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+    EXPECT_EQ(threads_of(asked), std::pair(least, greatest)) << asked;
+  };
+  expect(0, std::max(1, CPU_COUNT(&all) / size()));
+  expect(2, 2);
+  if (is_asked("INSITU_TEST_BOUND")) {
+    EXPECT_EQ(CPU_COUNT(&all), 1);
+  }
+}
+
 /// MPI was initialised for calls of its main thread.
 TEST(Sessions, ACallOfAnotherThreadIsRefusedOnThatProcess) {
   Solver solver;
@@ -229,8 +281,40 @@ TEST(Sessions, ACallOfAnotherThreadIsRefusedOnThatProcess) {
   EXPECT_EQ(solver.execute(0, 0.0), INSITU_OK) << solver.error;
 }
 
+/// Where MPI was initialised for one thread, the root warns once, and the library computes in
+/// several.
+TEST(Sessions, AHostOfOneThreadIsWarnedAndWorks) {
+  int level = -1;
+  MPI_Query_thread(&level);
+  ASSERT_EQ(level, is_asked("INSITU_TEST_SINGLE") ? MPI_THREAD_SINGLE : MPI_THREAD_FUNNELED);
+  Solver solver([](insitu::Options& o) { o.threads = 2; });
+  ASSERT_EQ(solver.error, "");
+  solver.give();
+  for (int cycle = 0; cycle < 2; ++cycle)
+    EXPECT_EQ(solver.execute(cycle, cycle), INSITU_OK) << solver.error;
+  ASSERT_EQ(solver.messages.size(), level == MPI_THREAD_SINGLE && rank() == 0 ? 1u : 0u);
+  for (const std::string& message : solver.messages)
+    EXPECT_EQ(message.find("communicator: MPI is initialised for one thread (MPI_THREAD_SINGLE)"),
+              0u)
+        << message;
+}
+
+/// Before MPI and the library see it.
+void bind_to_one_core() {
+  for (int c = 0; c < CPU_SETSIZE; ++c) {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(c, &one);
+    if (sched_setaffinity(getpid(), sizeof one, &one) == 0)
+      return;
+  }
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-  return run_on_all_processes(argc, argv);
+  if (is_asked("INSITU_TEST_BOUND"))
+    bind_to_one_core();
+  return run_on_all_processes(
+      argc, argv, is_asked("INSITU_TEST_SINGLE") ? MPI_THREAD_SINGLE : MPI_THREAD_FUNNELED);
 }

@@ -1,5 +1,7 @@
 /// A World of MPI: mpiexec -n 1, 2, 3, 4, 8.
 #include <dlfcn.h>
+#include <sched.h>
+#include <unistd.h>
 
 #include "api/mpi/main.h"
 #include "parallel/mpi/functions.h"
@@ -54,6 +56,30 @@ TEST(MpiWorld, SubGroupsWorkByThemselves) {
   if (rank % 2)
     check_exchange(*some);
   check_all(*all);
+}
+
+/// Processes that are bound to cores of their own share all of these; those of a job that has a
+/// part of the node share that part.
+TEST(MpiWorld, CoresAreThoseThatAnyProcessOfTheNodeMayUse) {
+  cpu_set_t before, all;
+  ASSERT_EQ(sched_getaffinity(getpid(), sizeof before, &before), 0);
+  MPI_Allreduce(&before, &all, sizeof all, MPI_BYTE, MPI_BOR, MPI_COMM_WORLD);
+  std::vector<int> cores;
+  for (int c = 0; c < CPU_SETSIZE; ++c)
+    if (CPU_ISSET(c, &all))
+      cores.push_back(c);
+  EXPECT_EQ(world_of(MPI_COMM_WORLD)->cores_here(), int(cores.size()));
+  const auto bind_to = [](int core) {
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(core, &one);
+    EXPECT_EQ(sched_setaffinity(getpid(), sizeof one, &one), 0);
+  };
+  bind_to(cores[std::size_t(rank()) % cores.size()]);
+  EXPECT_EQ(world_of(MPI_COMM_WORLD)->cores_here(), std::min(size(), int(cores.size())));
+  bind_to(cores[0]);
+  EXPECT_EQ(world_of(MPI_COMM_WORLD)->cores_here(), 1);
+  EXPECT_EQ(sched_setaffinity(getpid(), sizeof before, &before), 0);
 }
 
 TEST(MpiWorld, WhatIsNoCommunicatorToWorkOnIsRefused) {

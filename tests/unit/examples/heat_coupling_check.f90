@@ -75,7 +75,7 @@ contains
     logical :: temperature_in_place
 
     call mesh%audit(entries, ierr)
-    call expect('nothing was copied', ierr == insitu_ok .and. size(entries) == 6 .and. &
+    call expect('nothing was copied', ierr == insitu_ok .and. size(entries) == 8 .and. &
                 all(entries%borrowed))
     temperature_in_place = .false.
     do i = 1, size(entries)

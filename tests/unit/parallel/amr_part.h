@@ -16,11 +16,29 @@ namespace insitu::test {
 /// cells of depth 0.
 using Deal = std::function<int(std::size_t number, const math::Vec3d& middle)>;
 
-/// What one process has of a mesh, with two fields and global ids, which are the numbers of cells
-/// in the whole mesh. Owns the arrays.
+/// What one process has of a mesh, with two fields and, unless without_ids(), global ids, which are
+/// the numbers of cells in the whole mesh. Owns the arrays.
 class AmrPart {
 public:
   AmrPart(const AmrMesh& whole, insitu_reconstruction how, const Deal& deal, int rank) {
+    amr_ = insitu_amr_default();
+    for (std::size_t a = 0; a < 3; ++a) {
+      amr_.origin[a] = whole.lattice.origin[a];
+      amr_.spacing[a] = whole.lattice.spacing[a];
+    }
+    if (whole.lattice.is_flat != 0) {
+      amr_.dimensions = 2;
+      amr_.origin[2] = whole.lattice.plane;
+    }
+    amr_.level_count = std::int32_t(whole.depth_of.size());
+    for (std::size_t l = 1; l < whole.depth_of.size(); ++l)
+      ratios_.push_back(1 << (whole.depth_of[l] - whole.depth_of[l - 1]));
+    amr_.ratios = ratios_.data();
+    amr_.reconstruction = how;
+    add(whole, deal, rank);
+  }
+  /// The pieces that the deal gives another process, behind those that are there.
+  void add(const AmrMesh& whole, const Deal& deal, int rank) {
     std::int64_t first = 0;
     std::size_t number = 0;
     for (const AmrPiece& piece : whole.pieces) {
@@ -52,22 +70,9 @@ public:
       if (!mine.ids.empty())
         pieces_.push_back(std::make_unique<Piece>(std::move(mine)));
     }
-    amr_ = insitu_amr_default();
-    for (std::size_t a = 0; a < 3; ++a) {
-      amr_.origin[a] = whole.lattice.origin[a];
-      amr_.spacing[a] = whole.lattice.spacing[a];
-    }
-    if (whole.lattice.is_flat != 0) {
-      amr_.dimensions = 2;
-      amr_.origin[2] = whole.lattice.plane;
-    }
-    amr_.level_count = std::int32_t(whole.depth_of.size());
-    for (std::size_t l = 1; l < whole.depth_of.size(); ++l)
-      ratios_.push_back(1 << (whole.depth_of[l] - whole.depth_of[l - 1]));
-    amr_.ratios = ratios_.data();
-    amr_.reconstruction = how;
   }
 
+  void without_ids() { has_ids_ = false; }
   bool empty() const { return pieces_.empty(); }
 
   void give(mesh::Mesh& to, double factor = 1.0) {
@@ -91,7 +96,8 @@ public:
         to.set_leaves(number, &leaves);
       }
       const insitu_array ids = insitu_array_of(piece.ids.data(), INSITU_INT64, count, 1);
-      to.set_global_ids(number, INSITU_CELL, &ids);
+      if (has_ids_)
+        to.set_global_ids(number, INSITU_CELL, &ids);
     }
     to.drop_pieces(std::int32_t(pieces_.size()));
     give_fields(to, factor);
@@ -124,6 +130,7 @@ private:
   std::vector<std::unique_ptr<Piece>> pieces_;
   std::vector<std::int32_t> ratios_;
   insitu_amr amr_;
+  bool has_ids_ = true;
 };
 
 } // namespace insitu::test

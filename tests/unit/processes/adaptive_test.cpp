@@ -277,22 +277,31 @@ TEST(ProcessAdaptive, ParticlesGoOnToOtherCellsOfLargerGrids) {
   expect_one_over_regrids({checkers(0), checkers(1)}, INSITU_DUAL, {{2, 0}}, "killed");
 }
 
-/// A layer of cells that no process has, between those of two, is named by the root, once.
+/// A layer of cells that no process has, between those of two, is named by the root, once: as wide
+/// as the cells beside it, or twice. A wider one is a hole.
 TEST(ProcessAdaptive, AMissingLayerIsNamed) {
-  for (const bool lacks : {true, false}) {
+  struct Case {
+    std::int64_t first, behind; ///< the layers that are missing
+    bool is_told;
+    double third = 4.0; ///< from here on cells are process 1's
+  };
+  for (const Case& c : {Case{4, 4, false}, Case{4, 5, true}, Case{4, 6, true}, Case{4, 7, false},
+                        Case{4, 5, true, 3.0}}) {
     AmrMesh whole;
     whole.lattice = {{0, 0, 0}, {1, 1, 1}};
     whole.depth_of = {0, 1};
     for (std::int64_t i = 0; i < 8; ++i)
       for (std::int64_t j = 0; j < 8; ++j)
         for (std::int64_t k = 0; k < 2; ++k)
-          if (i != 4 || !lacks)
+          if (i < c.first || i >= c.behind)
             whole.add_leaf(1, {i, j, k});
     const OwnFolder folder;
     const std::string out = folder / "out";
     run_processes(3, [&](parallel::World& world) {
-      const Deal halves = [](std::size_t, const math::Vec3d& x) { return x.x < 2.0 ? 0 : 2; };
-      AmrSession process(world, whole, INSITU_DUAL, halves,
+      const Deal parts = [&](std::size_t, const math::Vec3d& x) {
+        return x.x < 2.0 ? 0 : x.x < c.third ? 2 : 1;
+      };
+      AmrSession process(world, whole, INSITU_DUAL, parts,
                          "insitu: 1\npage: false\nprobes:\n"
                          "  - {name: p, points: [[0.6, 0.6, 0.6]], fields: [s]}\n",
                          out);
@@ -300,10 +309,12 @@ TEST(ProcessAdaptive, AMissingLayerIsNamed) {
       std::string all;
       for (const std::string& message : process.messages())
         all += message + "\n";
-      EXPECT_EQ(all.find("32 faces of cells are one cell away from another process's cells") !=
-                    std::string::npos,
-                lacks && world.is_root())
+      EXPECT_EQ(
+          all.find("32 faces of cells are one cell or two away from another process's cells") !=
+              std::string::npos,
+          c.is_told && world.is_root())
           << all;
+      EXPECT_EQ(all.find("faces of cells are") != std::string::npos, c.is_told && world.is_root());
       EXPECT_EQ(process.session().finish(), "");
     });
   }

@@ -26,7 +26,10 @@ public:
   /// The mesh, or another one.
   void give(parallel::World& world, const AmrMesh& whole, insitu_reconstruction how,
             const Deal& deal) {
-    part_.emplace(whole, how, deal, world.rank());
+    give(AmrPart(whole, how, deal, world.rank()));
+  }
+  void give(AmrPart part) {
+    part_.emplace(std::move(part));
     part_->give(session_.mesh("m").mesh.mesh());
   }
   api::Session& session() { return session_; }

@@ -104,8 +104,7 @@ public:
   render::FramePart part(parallel::World& world) const {
     const mesh::Mesh& mesh = committed.mesh.mesh();
     const std::int64_t own = mesh.view().own_cell_count();
-    return {world, own, [&mesh](std::int64_t flat) { return mesh.global_id(INSITU_CELL, flat); },
-            committed.mesh.halo() != nullptr};
+    return {world, own, [&mesh](std::int64_t flat) { return mesh.global_id(INSITU_CELL, flat); }};
   }
 
   query::Sampler sampler() const { return committed.mesh.own_sampler(); }

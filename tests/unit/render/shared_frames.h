@@ -102,7 +102,6 @@ Drawn drawn_on(int processes, const Make& make, const Show& show, bool with_halo
     const core::Threads threads(1);
     structures.begin(mesh.committed.sampler(), 0, 0, threads);
     FramePart part = mesh.part(world);
-    part.has_halo |= processes == 1;
     part.most_bytes = most_bytes;
     part.compositing = compositing;
     FrameStatistics done;

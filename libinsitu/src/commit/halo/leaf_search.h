@@ -60,9 +60,9 @@ public:
   std::vector<ToldLeaf> near;         ///< those that touch, by process, piece and cell
   std::vector<ToldLeaf> far;          ///< the others, in the same order
   std::vector<ToldLeaf> outermost;    ///< of these, those of the last layer
-  /// Places beside leaves that no leaf of any process covers, as wide as the leaf, beyond which
-  /// another process has leaves: where a layer of cells was left out between them. A domain may
-  /// have such a slot, too. Pairs of faces of this process's leaves.
+  /// Places beside leaves that no leaf of any process covers, as wide as the leaf or twice as wide,
+  /// beyond which another process has leaves: where a layer of cells was left out between them. A
+  /// domain may have such a slot, too. Pairs, one a face of this process's leaves.
   CellPairs gaps;
   std::vector<std::uint64_t> covered; ///< see mesh::AmrView; empty: none
 

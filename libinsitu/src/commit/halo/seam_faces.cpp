@@ -276,8 +276,8 @@ std::string describe_twice(const SeamMismatches& found, parallel::World& world) 
 
 std::string describe_gaps(const CellPairs& found, parallel::World& world) {
   return describe(found,
-                  " faces of cells are one cell away from another process's cells, and no cell "
-                  "of any process lies between them",
+                  " faces of cells are one cell or two away from another process's cells, and no "
+                  "cell of any process lies between them",
                   ": unless the domain has a slot there, a layer is missing", world);
 }
 

@@ -1,11 +1,13 @@
-#define _POSIX_C_SOURCE 200809L /* nanosleep */
+#define _GNU_SOURCE /* nanosleep, sched_getaffinity */
 
 #include "parallel/mpi/functions.h"
 
 #include <mpi.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 struct insitu_mpi_world {
   MPI_Comm communicator; /* the session's own */
@@ -199,9 +201,25 @@ static int duplicate(MPI_Comm given, double seconds, MPI_Comm* own, char* messag
   return INSITU_MPI_OK;
 }
 
+/* How many cores any of the node's processes may use. A launcher binds each to its own; a job's
+ * part of a node binds all of them to the same. */
+static int count_cores(MPI_Comm node) {
+  enum { words = 128 }; /* 8192 cores */
+  uint64_t cores[words] = {0};
+  int count = 0;
+  if (sched_getaffinity(getpid(), sizeof cores, (cpu_set_t*)cores) != 0)
+    for (long c = 0; c < sysconf(_SC_NPROCESSORS_ONLN) && c < 64 * words; ++c)
+      cores[c / 64] |= (uint64_t)1 << c % 64;
+  MPI_Allreduce(MPI_IN_PLACE, cores, words, MPI_UINT64_T, MPI_BOR, node);
+  for (int w = 0; w < words; ++w)
+    for (; cores[w]; cores[w] &= cores[w] - 1)
+      ++count;
+  return count;
+}
+
 static int open_world(const void* given, int fortran, int lacks, double seconds,
                       insitu_mpi_world** made, int* rank, int* size, int* on_this_node,
-                      int* single_threaded, char* message) {
+                      int* cores_here, int* single_threaded, char* message) {
   int status = check(message), inter = 0, missing = -1, level = MPI_THREAD_SINGLE;
   MPI_Comm own = MPI_COMM_NULL, node = MPI_COMM_NULL;
   *rank = -1;
@@ -245,9 +263,11 @@ static int open_world(const void* given, int fortran, int lacks, double seconds,
   world->requests = requests;
   world->room = (size_t)*size;
   *on_this_node = 1;
+  *cores_here = (int)sysconf(_SC_NPROCESSORS_ONLN);
   const int error = MPI_Comm_split_type(own, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
   if (error == MPI_SUCCESS && node != MPI_COMM_NULL) {
     MPI_Comm_size(node, on_this_node);
+    *cores_here = count_cores(node);
     MPI_Comm_free(&node);
   }
   MPI_Query_thread(&level);

@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-enum { INSITU_MPI_VERSION = 3, INSITU_MPI_MESSAGE = 1024 };
+enum { INSITU_MPI_VERSION = 4, INSITU_MPI_MESSAGE = 1024 };
 enum { INSITU_MPI_SUM, INSITU_MPI_LEAST, INSITU_MPI_GREATEST };
 enum {
   INSITU_MPI_OK,
@@ -35,9 +35,9 @@ typedef struct insitu_mpi_functions {
   /* Duplicates the communicator at an address, or with none that of a Fortran integer; collective
    * over it. lacks: the caller has no memory for its part. If any process has none, all say so
    * alike. seconds: how long those that came wait for the others; 0: without end. *rank is known in
-   * any case, or -1. */
+   * any case, or -1. cores_here: of this node, those that any of its processes may use. */
   int (*open)(const void* communicator, int fortran_communicator, int lacks, double seconds,
-              insitu_mpi_world** world, int* rank, int* size, int* on_this_node,
+              insitu_mpi_world** world, int* rank, int* size, int* on_this_node, int* cores_here,
               int* single_threaded, char* message);
   /* Whether MPI may be called now, by this thread; not collective. */
   int (*check)(char* message);

@@ -4,34 +4,12 @@
 #include <bit>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "core/status.h"
 #include "core/timer.h"
 #include "render/processes/shared_frame.h"
 
 namespace insitu::render {
-
-namespace {
-
-[[noreturn]] void refuse(const char* what) {
-  throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                    std::string(what) + " over several processes are not there yet");
-}
-
-} // namespace
-
-void check_shared(const FrameSettings& s, bool has_halo) {
-  if (s.boundary && !has_halo)
-    refuse("boundaries of meshes without cells of other processes");
-  for (const IsosurfaceSettings& surface : s.isosurfaces) {
-    const bool of_cells = surface.field.field.association == INSITU_CELL;
-    if (!has_halo && surface.normals == Normals::smooth && s.lighting.enabled)
-      refuse("smooth normals");
-    if (!has_halo && of_cells)
-      refuse("isosurfaces of cell fields");
-  }
-}
 
 const char* why_exact(const FrameSettings& s) {
   if (!s.volume)
@@ -75,7 +53,6 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
     check_layers(asked);
     all.reserve(asked.size());
     for (std::size_t l = 0; l < asked.size(); ++l) {
-      check_shared(asked[l].settings, parts[l].has_halo);
       layers.push_back(
           {asked[l].sampler, all.emplace_back(asked[l].settings), asked[l].structures});
     }

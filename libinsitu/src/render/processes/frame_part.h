@@ -26,10 +26,6 @@ struct FramePart {
   std::int64_t own_key(const mesh::MeshView& mesh, std::int64_t flat) const {
     return flat >= 0 && flat < own_cells && mesh.is_own(flat) ? key(flat) : -1;
   }
-  /// Whether this process knows the cells of others around its own, so that what is summed over
-  /// the cells around a vertex is whole. Where smooth normals are those of a cell field, averages
-  /// at vertices of these cells are those of the processes that own them.
-  bool has_halo = false;
   /// About so many bytes of samples are on their way to one process, or from one, at a time; and
   /// traced paths take about so many where their tiles are.
   std::size_t most_bytes = std::size_t(32) << 20;
@@ -45,15 +41,15 @@ const char* why_exact(const FrameSettings& settings);
 /// The same of the volumes of several meshes.
 const char* why_exact(std::span<const FrameSettings* const> layers);
 
-/// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what is not there yet on several processes.
-void check_shared(const FrameSettings& settings, bool has_halo);
-
 /// Draws a frame, to the bit as render_frame() draws that of the whole mesh on one process unless
 /// FramePart::compositing says otherwise. Images are complete at the root and empty elsewhere;
 /// their cells are numbered by FramePart::key, and sums of traced paths have pixels at the root
 /// alone. PathCounts in the statistics are of all processes. Collective; the settings are the same
 /// on all processes but for fields and structures. The sampler's facts() are those of the whole
-/// mesh; its cells may be none. Throws AgreedError.
+/// mesh; its cells may be none. Where the settings ask for a boundary, or for averages or smooth
+/// normals at vertices, the mesh has the cells of other processes around this one's (FramePart's
+/// own_cells), and averages that smooth normals are of are those of the processes that own the
+/// vertices' cells. Throws AgreedError.
 FrameImages render_shared_frame(const FramePart& part, const query::Sampler& sampler,
                                 const FrameSettings& settings, Structures& structures,
                                 const core::Threads& threads,

@@ -44,8 +44,7 @@ std::vector<render::FramePart> parts_of(const Frame& frame, const Drawing& drawi
   for (const DrawnMesh& drawn : drawing.meshes) {
     const FrameKeys& keys = *drawn.known.keys;
     parts.push_back({world, drawn.mesh->mesh().view().own_cell_count(),
-                     [&keys](std::int64_t flat) { return keys.key(flat); },
-                     drawn.mesh->halo() != nullptr});
+                     [&keys](std::int64_t flat) { return keys.key(flat); }});
     parts.back().compositing = frame.compositing;
     if (drawing.decisions.own_cells)
       parts.back().solvers_cell = [&keys](const math::Vec3d& place) {

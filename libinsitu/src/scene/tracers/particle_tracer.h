@@ -109,8 +109,6 @@ private:
   // On several processes (particle_tracer_across.cpp), all of these are collective.
   bool across() const { return environment_.world.size() > 1; }
   void execute_across(commit::CommittedMesh& mesh, const Step& step, bool due);
-  [[noreturn]] void refuse(const std::string& what) const;
-  void refuse_across(const commit::CommittedMesh& mesh) const;
   int agree_on_steps(const commit::CommittedMesh& mesh, const Step& step);
   void release_across(const commit::CommittedMesh& mesh, const Step& step,
                       const advect::Across& across);

@@ -23,18 +23,6 @@ bool has_cells(const commit::CommittedMesh& mesh) {
 
 } // namespace
 
-void ParticleTracer::refuse(const std::string& what) const {
-  throw core::Error(INSITU_ERROR_UNSUPPORTED, environment_.scene_file + ":" +
-                                                  std::to_string(tracer_.line) + ": " + what +
-                                                  " on a mesh that is spread over processes");
-}
-
-/// What is not done over processes.
-void ParticleTracer::refuse_across(const commit::CommittedMesh& mesh) const {
-  if (!mesh.halo())
-    refuse("no particles where cells stand in the place of the solver's");
-}
-
 void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& step, bool due) {
   const core::Timer timer;
   parallel::World& world = environment_.world;
@@ -50,7 +38,6 @@ void ParticleTracer::execute_across(commit::CommittedMesh& mesh, const Step& ste
   bring_home(mesh);
   const int earlier = agree_on_steps(mesh, step);
   world.agree_after([&] {
-    refuse_across(mesh);
     check_geodesics(mesh);
     check_time(step);
     particles_.drop_gone(); // if the last execution failed

@@ -175,10 +175,6 @@ void StreamTracer::execute_across(commit::CommittedMesh& mesh, const Step& step)
   const auto left_out = [&] { return cells_.left_out(mesh, context.threads); };
   std::optional<advect::Exits> exits;
   world.agree_after([&] {
-    if (!mesh.halo())
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        "tracer: no streamlines where cells stand in the place of the solver's, on "
-                        "a mesh that is spread over processes");
     settings.effects = effects_at(tracer_, mesh, step, 0, environment_.scene_file);
     if (mesh.mesh().own_view().own_cell_count() > 0) {
       mesh.look_for_folds(context.threads); // particles ask with hints

@@ -8,3 +8,5 @@ tolerances=(--tolerance-relative 1e-9 --tolerance-absolute 1e-11
             --ignore-column seconds --ignore-column bytes --ignore-column located_by_reason
             --ignore-column commits
             --column R:1e-5:1e-6 --column G:1e-5:1e-6 --column B:1e-5:1e-6 --column Z:1e-5:0) # floats
+# On several processes a traced path takes a message a collision: few paths, small images.
+thin=(-e 's/samples: 32/samples: 2/' -e 's/size: .*/size: [24, 20]/')

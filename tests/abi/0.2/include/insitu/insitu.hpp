@@ -51,7 +51,8 @@ struct Options {
   bool default_scene = false;  /**< a session without a scene draws the first scalar field every
                                     tenth cycle */
   int threads = 0;             /**< the most threads that the session runs; 0: all that the
-                                    process's affinity allows */
+                                    process's affinity allows, of several processes its share
+                                    of the node's cores */
   bool strict = false;         /**< commits refuse arrays that would have to be copied or
                                     converted */
   LogLevel log_level = LogLevel::warning; /**< messages up to this level reach the log */

@@ -34,7 +34,8 @@ typedef struct insitu_session_options {
   int32_t default_scene;  /**< 1: a session without a scene draws the first scalar field every tenth
                                cycle */
   int32_t threads;        /**< the most threads that the session runs; 0: all that the process's
-                               affinity allows; or INSITU_LACKS_MEMORY */
+                               affinity allows, of several processes its share of the node's
+                               cores; or INSITU_LACKS_MEMORY */
   int32_t strict;         /**< 1: commits refuse arrays that would have to be copied or converted */
   insitu_log_level log_level; /**< messages up to this level reach the log */
   insitu_log_function log;    /**< null: errors and warnings go to stderr */

@@ -1,0 +1,12 @@
+# Sets INSITU_HAVE_MPI as INSITU_WITH_MPI says. Only libinsitu-mpi links MPI, which programs have one of.
+set(INSITU_HAVE_MPI FALSE)
+if(NOT INSITU_WITH_MPI STREQUAL "OFF")
+  find_package(MPI QUIET COMPONENTS C)
+  if(MPI_C_FOUND)
+    set(INSITU_HAVE_MPI TRUE)
+  elseif(INSITU_WITH_MPI STREQUAL "AUTO")
+    message(STATUS "insitu: no MPI - no libinsitu-mpi, sessions are serial")
+  else()
+    message(FATAL_ERROR "insitu: INSITU_WITH_MPI is ON and no MPI was found")
+  endif()
+endif()
