@@ -22,10 +22,9 @@ bool has_surfaces(const FrameSettings& settings) {
 
 void check_layers(std::span<const FrameLayer> layers) {
   for (const FrameLayer& layer : layers)
-    if (layers.size() > 1 && (layer.settings.path_tracing || layer.settings.cell))
+    if (layers.size() > 1 && layer.settings.cell)
       throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        std::string(layer.settings.cell ? "images of cells" : "path tracing") +
-                            " of several meshes in one frame are not there yet");
+                        "images of cells of several meshes in one frame are not there yet");
 }
 
 namespace {
@@ -122,15 +121,14 @@ private:
     const auto& [sampler, settings, structures] = layer;
     const query::CulledCells* culled = nullptr;
     if (settings.volume && settings.path_tracing) {
-      PathTracingSettings tracing = *settings.path_tracing;
-      tracing.depth = settings.depth || settings.cell;
-      if (settings.samples_per_pixel > 1)
-        tracing.sums = nullptr; // the whole samples are added up
       const VolumeSettings& volume = *settings.volume;
       if (volume.culling == Culling::always)
         culled = structures.culled(volume.field, volume.function);
-      paths_.emplace(culled ? sampler.among(*culled) : sampler, volume, tracing, settings.camera,
-                     settings.lighting.lights, settings.clips, structures, threads);
+      const query::Sampler& of = culled ? sampler.among(*culled) : sampler;
+      if (!paths_)
+        begin_paths();
+      paths_->add(of, volume, path_majorants(of, volume, *settings.path_tracing, structures),
+                  threads, structures.memory());
     } else if (settings.volume) {
       const VolumeStructures needed = volume_structures(
           sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
@@ -142,6 +140,14 @@ private:
       culled_.push_back(culled);
     if (has_surfaces(settings) || (settings.volume && shadows_others))
       surfaces_.push_back(&drawn_surfaces_.emplace_back(sampler, settings, structures));
+  }
+
+  void begin_paths() {
+    PathTracingSettings tracing = *settings_.path_tracing;
+    tracing.depth = settings_.depth || settings_.cell;
+    if (settings_.samples_per_pixel > 1)
+      tracing.sums = nullptr; // the whole samples are added up
+    paths_.emplace(tracing, settings_.camera, settings_.lighting.lights, settings_.clips);
   }
 
   /// The side of what draw_tile() takes; volumes share cells between more rays, and of several

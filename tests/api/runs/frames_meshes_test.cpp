@@ -116,6 +116,35 @@ TEST(FramesOfMeshes, ACutMeshIsTheWhole) {
   EXPECT_EQ(test::content(one / "f_000000.png"), test::content(two / "f_000000.png"));
 }
 
+/// Samples of paths add up until one of the meshes changes, whichever; the plan names their sums
+/// once.
+TEST(FramesOfMeshes, SamplesOfPathsAddUpUntilAMeshChanges) {
+  const test::Folder folder;
+  const std::string drawn =
+      "size: [16, 16], format: [exr], effects: [multiple_scattering], meshes: "
+      "[{mesh: a, volume: {field: p}}, {mesh: b, volume: {field: p}}]";
+  insitu::Session session = session_of(
+      "insitu: 1\nframes:\n  - {name: sums, path_tracing: {samples: 2, accumulate: true}, " +
+          drawn + "}\n  - {name: one, path_tracing: {samples: 2}, " + drawn + "}\n",
+      folder);
+  const BoxMesh a(session, "a", 0, 1);
+  BoxMesh b(session, "b", 0.5, 1.5);
+  const auto is_one = [&](int cycle) {
+    const std::string of = "_00000" + std::to_string(cycle) + ".exr";
+    session.execute(cycle, cycle);
+    return test::content(folder / ("sums" + of)) == test::content(folder / ("one" + of));
+  };
+  EXPECT_TRUE(is_one(0));
+  EXPECT_FALSE(is_one(1));
+  b.values[7] += 0.25;
+  b.mesh.vertex_field("p", b.values.data());
+  EXPECT_TRUE(is_one(2));
+  EXPECT_FALSE(is_one(3));
+  const std::string plan = session.plan(), sums = "sums of samples of frame 'sums'";
+  ASSERT_NE(plan.find(sums), std::string::npos) << plan;
+  EXPECT_EQ(plan.find(sums), plan.rfind(sums)) << plan;
+}
+
 /// Two fields of one mesh.
 TEST(FramesOfMeshes, OneMeshTwice) {
   const test::Folder folder;

@@ -5,6 +5,7 @@
 #include <deque>
 #include <gtest/gtest.h>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "unit/render/render_mesh.h"
@@ -42,6 +43,22 @@ inline TestMesh together(TestMesh a, const TestMesh& b) {
     a.cells.push_back(cell);
   }
   return a;
+}
+
+/// Cut where x is a half, between hexahedra.
+inline std::pair<TestMesh, TestMesh> halves_of(const TestMesh& cells) {
+  TestMesh left = cells, right = cells;
+  const auto keep = [&](TestMesh& half, bool low) {
+    std::erase_if(half.cells, [&](const MeshCell& cell) {
+      Vec3d p;
+      for (const auto v : cell.vertices)
+        p += 0.125 * cells.vertices[std::size_t(v)];
+      return (p.x < 0.5) != low;
+    });
+  };
+  keep(left, true);
+  keep(right, false);
+  return {left, right};
 }
 
 struct Layer {

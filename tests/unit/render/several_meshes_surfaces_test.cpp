@@ -107,17 +107,7 @@ TEST_F(SeveralMeshes, PartsThatLieApartAreTheWholeWithItsShadows) {
 /// A cut mesh: see doc/design/frames.md. The volume's stretch that holds the cut is parted there.
 TEST_F(SeveralMeshes, HalvesAreTheWhole) {
   const TestMesh cells = box_cells(6, Shape::hexahedron, 0.0);
-  TestMesh left = cells, right = cells;
-  const auto keep = [&](TestMesh& half, bool low) {
-    std::erase_if(half.cells, [&](const MeshCell& cell) {
-      Vec3d p;
-      for (const auto v : cell.vertices)
-        p += 0.125 * cells.vertices[std::size_t(v)];
-      return (p.x < 0.5) != low;
-    });
-  };
-  keep(left, true);
-  keep(right, false);
+  const auto [left, right] = halves_of(cells);
   RenderMesh &whole = mesh(cells), &a = mesh(left), &b = mesh(right);
   const auto f = [](const Vec3d& p) { return p.x * p.y + 0.3 * p.z; };
   const auto settings = [&](RenderMesh& of, bool surfaces, double step) {
@@ -196,9 +186,6 @@ TEST_F(SeveralMeshes, RefusesWhatHasOneMedium) {
     return std::string();
   };
   EXPECT_EQ(refused(), "");
-  one.settings.path_tracing = render::PathTracingSettings{};
-  EXPECT_NE(refused().find("path tracing"), std::string::npos);
-  one.settings.path_tracing.reset();
   other.settings.cell = true;
   EXPECT_NE(refused().find("images of cells"), std::string::npos);
 }

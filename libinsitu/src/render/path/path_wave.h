@@ -21,6 +21,7 @@ struct Path {
   Ray ray;
   double t = 0, far = 0; ///< where it stands, and where the ray ends
   float majorant = 0;    ///< at the tentative collision that it stands at
+  std::uint32_t medium = 0; ///< whose collision that is, see PathTracer::media()
   bool is_shadow = false;
   Asks asks = Asks::value;
   std::uint32_t item = 0;           ///< which of the rays
@@ -94,12 +95,13 @@ private:
   static Next ask(Path& path, Path::Asks what);
 
   bool advance(Path& path);
+  bool fly(Path& path, std::uint32_t medium, double from, double to);
   void stop_at(const Path& path, double t, std::int64_t cell);
   void set_depth(std::uint32_t item);
 
   const PathTracer* tracer_ = nullptr;
   const PathTracingSettings* settings_ = nullptr;
-  const Medium* medium_ = nullptr;
+  std::span<const Medium> media_;
   std::span<RayState> rays_;
   PathCounts counts_;
   std::vector<Stop> stops_; ///< [rays][samples, most_for_depth at most], if depth is asked for

@@ -97,8 +97,9 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
   for (std::size_t l = 0; l < layers.size(); ++l)
     known[l].emplace(parts[l], layers[l], threads);
   part.world.agree_after([&] {
-    if (settings.path_tracing)
-      settings.path_tracing->majorants = known[0]->path_majorants.get();
+    for (std::size_t l = 0; l < layers.size(); ++l)
+      if (all[l].path_tracing)
+        all[l].path_tracing->majorants = known[l]->path_majorants.get();
     if (sums)
       sums->begin(settings.width, settings.height, is_root);
     average.emplace(settings);

@@ -267,7 +267,7 @@ private:
       layers.emplace(drawing);
     });
     if (!accumulations_.empty())
-      accumulations_[number].use(*first.mesh, drawing.first().settings, environment_.world);
+      accumulations_[number].use(drawing.meshes, drawing.first().settings, environment_.world);
     render::FrameStatistics done;
     render::FrameImages images = draw_meshes(drawing, *layers, environment_.context.threads, done);
     if (drawing.decisions.globe)

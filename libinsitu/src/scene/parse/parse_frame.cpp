@@ -298,7 +298,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   parse_drawn(map, context, frame);
   parse_labels(map, frame);
   parse_frame_effects(map, frame);
-  frame.path_tracing = parse_path_tracing(map, frame.effects);
+  frame.path_tracing = parse_path_tracing(map, frame);
   parse_samples(map, frame);
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));
