@@ -59,6 +59,9 @@ public:
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
+  /// In longitude and latitude: where the mesh's chart begins, unless cells begin further west. The
+  /// same on all processes; counts from the next commit on.
+  double chart_west = ChartFacts::none;
   /// Faces of two processes that do not match to the bit are told if they lie within this of each
   /// other, in the diameter of a face: 0 to SeamMismatches::most_tolerance, of which 0 tells none.
   /// The same on all processes; counts from the next halo on that other cells ask for.

@@ -1,5 +1,6 @@
 #include "scene/frames/frame_action.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 
@@ -108,6 +109,8 @@ private:
         warnings_.nothing_drawn(mesh, i, step, true);
       }
     }
+    if (!frame_.geocentric)
+      put_on_one_chart(meshes, environment_);
     return meshes;
   }
 
@@ -171,6 +174,8 @@ private:
         meshes.push_back({i, own, frame_.geocentric ? &geocentric(*own) : own});
       });
     }
+    if (!frame_.geocentric)
+      put_on_one_chart(meshes, environment_);
     return meshes;
   }
 
@@ -206,12 +211,15 @@ private:
   void make_settings(Drawing& drawing) const {
     const bool several = frame_.layers.size() > 1, alone = drawing.parts.empty();
     const mesh::Box all = scenery_of(drawing.meshes).box;
+    const bool has_copies = std::ranges::any_of(drawing.meshes, [&](const DrawnMesh& drawn) {
+      return alone ? has_chart_copies(*drawn.mesh) : drawn.known.in_place.copies;
+    });
     for (DrawnMesh& drawn : drawing.meshes) {
       drawn.settings = settings_.make(
           drawing.decisions, {drawn.layer, *drawn.structures, alone ? nullptr : &drawn.known.ranges,
                               several ? &all : nullptr, &drawn == &drawing.first()});
-      if (alone ? has_chart_copies(*drawn.mesh) : drawn.known.in_place.copies)
-        end_at_chart(*drawn.mesh, several, drawn.settings);
+      if (has_copies)
+        end_at_chart(all, drawn.settings);
     }
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "output/annotate/overlay.h"
+#include "scene/frames/chart_copies.h"
 #include "scene/frames/cinema_table.h"
 
 namespace insitu::scene {
@@ -28,6 +29,26 @@ void draw_bar(const Frame& frame, const Drawing& drawing, output::Overlay overla
 }
 
 } // namespace
+
+void put_on_one_chart(std::vector<DrawnMesh>& meshes, const Environment& environment) {
+  if (meshes.size() < 2)
+    return;
+  parallel::World& world = environment.world;
+  std::vector<const commit::CommittedMesh*> own;
+  std::int64_t has_copies = 0;
+  for (const DrawnMesh& drawn : meshes) {
+    own.push_back(drawn.own);
+    has_copies |= has_chart_copies(*drawn.own);
+  }
+  world.reduce(std::span(&has_copies, 1), parallel::Reduction::greatest);
+  const std::optional<double> west = first_west(own);
+  for (std::size_t i = 0; i < meshes.size() && has_copies && west; ++i) {
+    if (!(first_west({&own[i], 1}).value_or(*west) > *west))
+      continue;
+    world.agree_after([&] { meshes[i].mesh = &environment.structures.on_chart(*own[i], *west); });
+    meshes[i].mesh->update_chart(world, environment.context.threads, environment.context.log);
+  }
+}
 
 FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes) {
   FrameSettingsMaker::Scenery all{meshes.front().mesh->sampler().facts().bounds, true};

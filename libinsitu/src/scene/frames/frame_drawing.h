@@ -32,6 +32,11 @@ struct Drawing {
   const DrawnMesh& first() const { return meshes.front(); }
 };
 
+/// Where cells of one of several meshes in longitude and latitude are drawn over the seam, all
+/// begin at one longitude: meshes whose chart begins further east are drawn in copies of theirs
+/// that do. Collective; throws parallel::AgreedError.
+void put_on_one_chart(std::vector<DrawnMesh>& meshes, const Environment& environment);
+
 /// What cameras look at: around all meshes, flat if all of them are.
 FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes);
 
