@@ -281,6 +281,8 @@ TEST(EarthVolume, ACutRingIsTheWhole) {
                       if (ring.turn == 0 && &is_first == cuts) {
                         EXPECT_EQ(west("n"), 0);
                         EXPECT_EQ(west("k"), 180);
+                        EXPECT_NE(process.session().plan().find("on the chart of all meshes"),
+                                  std::string::npos);
                       }
                     });
       for (const char* camera : {"above", "seam"}) {

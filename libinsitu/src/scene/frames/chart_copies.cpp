@@ -81,6 +81,12 @@ std::optional<double> first_west(std::span<const commit::CommittedMesh* const> m
   return west;
 }
 
+bool begins_further_east(std::span<const commit::CommittedMesh* const> meshes, std::size_t mesh) {
+  const std::optional<double> all = first_west(meshes), own = first_west(meshes.subspan(mesh, 1));
+  return own && *own > *all &&
+         std::ranges::any_of(meshes, [](const auto* of) { return has_chart_copies(*of); });
+}
+
 void end_at_chart(const mesh::Box& all, render::FrameSettings& settings) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double slack = 1e-6 * (all.high.x - all.low.x);

@@ -22,6 +22,10 @@ render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
 /// meshes: as far west as that of any; an empty optional: none of them has a chart.
 std::optional<double> first_west(std::span<const commit::CommittedMesh* const> meshes);
 
+/// Whether one of several meshes of a frame, those of one process, is drawn in copies that begin
+/// there.
+bool begins_further_east(std::span<const commit::CommittedMesh* const> meshes, std::size_t mesh);
+
 /// Ends what a frame draws at the chart's ends, which are those of the box around all meshes:
 /// copies reach over them, where their places are shown already, and others lie beyond on charts
 /// turned to a pole. Faces that lie in the ends are seen.

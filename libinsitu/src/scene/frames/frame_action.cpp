@@ -88,6 +88,9 @@ public:
       if (frame_.geocentric)
         at_geocentric([&] { GeocentricMesh::check(*shown[i]); });
       plan_frame(frame_, i, settings_, decisions, *shown[i], environment_.context.threads, plan);
+      if (!frame_.geocentric && begins_further_east(shown, i))
+        plan.need("tree of cells on the chart of all meshes", shown[i]->tree().bytes(),
+                  "about, as the mesh's own, whose chart begins further east");
     }
   }
 
