@@ -69,6 +69,30 @@ TEST(FramesOfMeshes, ImagesTableAndPlanNameAll) {
   EXPECT_NE(plan.find("boundary faces"), std::string::npos);
 }
 
+/// Of images of cells each mesh has one, which holds the cells of that mesh.
+TEST(FramesOfMeshes, ImagesOfCellsAreOfOneMeshEach) {
+  const test::Folder folder;
+  insitu::Session session = session_of(
+      "insitu: 1\nframes:\n  - {name: f, size: [32, 24], images: [color, cell], camera: {azimuth: "
+      "0, "
+      "elevation: 0}, meshes: [{mesh: a, boundary: {}}, {mesh: b, volume: {field: p}}, {mesh: a, "
+      "isosurfaces: [{field: p, values: [0.5]}]}]}\n",
+      folder);
+  const BoxMesh a(session, "a", 0, 1), b(session, "b", 2, 3);
+  const auto cells = [&](const std::string& mesh) {
+    return test::content(folder / ("f_" + mesh + "_cell_000000.png"));
+  };
+  session.execute(0, 0);
+  const runs::Table table = runs::parse_table(test::content(folder / "data.csv"));
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(table.text(1, "mesh"), "a");
+  EXPECT_EQ(table.text(2, "mesh"), "b");
+  EXPECT_EQ(table.text(2, "FILE"), "f_b_cell_000000.png");
+  EXPECT_FALSE(cells("a").empty());
+  EXPECT_NE(cells("a"), cells("b"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "f_cell_000000.png"));
+}
+
 /// A mesh that is not there is an error as for a frame of that mesh; one without cells is left out.
 TEST(FramesOfMeshes, AMeshMayComeLater) {
   const test::Folder folder;

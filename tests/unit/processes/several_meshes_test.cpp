@@ -90,7 +90,8 @@ int greatest_step(const output::PngImage& a, const output::PngImage& b) {
 
 TEST(ProcessFramesOfMeshes, VolumesThatOverlap) {
   expect_same_on_all(
-      "  - name: integrals\n    size: [70, 66]\n    images: [color, depth]\n    format: [png, "
+      "  - name: integrals\n    size: [70, 66]\n    images: [color, depth, cell]\n    format: "
+      "[png, "
       "exr]\n"
       "    scalar_bar: true\n    outline: {ticks: true}\n    meshes:\n"
       "      - {mesh: m, volume: {field: p, opacity: [[0, 0], [16, 0.05]]}}\n"
@@ -108,7 +109,8 @@ TEST(ProcessFramesOfMeshes, VolumesThatOverlap) {
 
 TEST(ProcessFramesOfMeshes, SurfacesInOneOrder) {
   expect_same_on_all(
-      "  - name: one_volume\n    size: [66, 70]\n    images: [color, depth]\n    format: [png, "
+      "  - name: one_volume\n    size: [66, 70]\n    images: [color, depth, cell]\n    format: "
+      "[png, "
       "exr]\n"
       "    cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}\n"
       "    meshes:\n"
@@ -160,7 +162,7 @@ TEST(ProcessFramesOfMeshes, TracedPaths) {
       "{point: [1.5, 0.4, 6]}]\n";
   expect_same_on_all(
       "  - name: walls\n    size: [20, 18]\n    every: 2\n    format: [png, exr]\n    images: "
-      "[color, depth]\n" +
+      "[color, depth, cell]\n" +
           lights +
           "    effects: [multiple_scattering, shadows, volume_shadows]\n"
           "    path_tracing: {samples: 2, anisotropy: 0.3}\n    meshes:\n"

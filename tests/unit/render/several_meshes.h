@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <gtest/gtest.h>
 #include <string>
 #include <utility>
@@ -68,7 +69,8 @@ struct Layer {
 
 inline core::Image draw(const std::vector<Layer>& layers, int threads = 2,
                         render::FrameStatistics* statistics = nullptr,
-                        std::vector<float>* depth = nullptr) {
+                        std::vector<float>* depth = nullptr,
+                        const std::function<void(const FrameImages&)>& check = {}) {
   const core::Threads pool(threads);
   std::deque<query::Sampler> samplers;
   std::deque<render::Structures> structures;
@@ -79,6 +81,8 @@ inline core::Image draw(const std::vector<Layer>& layers, int threads = 2,
     drawn.push_back({samplers.back(), layer.settings, structures.back()});
   }
   const FrameImages images = render::render_frame(drawn, pool, statistics);
+  if (check)
+    check(images);
   if (depth)
     depth->assign(images.depth.begin(), images.depth.end());
   return images.color;

@@ -24,7 +24,7 @@ TEST_F(SeveralMeshes, AnOpaqueMediumHidesThoseInItsPlace) {
   std::vector<render::VolumeStretch> a{{1, 2, 0.5f, {1, 0, 0}}, {2, 3, 1.0f, {1, 0, 0}}};
   std::vector<render::VolumeStretch> b{{2, 3, 0.75f, {0, 1, 0}}};
   render::RayState ray;
-  const std::span<const render::VolumeStretch> both[] = {b, a};
+  const render::LayerStretches both[] = {{b}, {a}};
   render::blend_together(ray, both);
   EXPECT_EQ(ray.alpha, 1.0f);
   EXPECT_EQ(ray.color.r, 1.0f);
@@ -49,7 +49,7 @@ TEST_F(SeveralMeshes, PiecesOfStretches) {
   hit.opacity = 0.5f;
   hit.color = {0, 0, 1};
   ray.hits = {hit};
-  const std::span<const render::VolumeStretch> both[] = {a, b};
+  const render::LayerStretches both[] = {{a}, {b}};
   render::blend_together(ray, both);
   const double ta = std::log(4.0) / 4, tb = std::log(2.0) / 2, t = ta + tb;
   const double at_1 = std::exp(-ta), at_2 = at_1 * std::exp(-t), behind = 0.5 * at_2;

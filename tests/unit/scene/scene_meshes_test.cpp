@@ -52,7 +52,14 @@ TEST(SceneMeshes, Errors) {
     EXPECT_NE(error(frame_of(two, key)).find("a frame with 'meshes' has it in their list"),
               std::string::npos)
         << key;
-  EXPECT_NE(error(frame_of(two, "images: [cell], ")).find("no image of cells"), std::string::npos);
+  EXPECT_NE(
+      error(frame_of("[{mesh: a/b, boundary: {}}, {mesh: b, boundary: {}}]", "images: [cell], "))
+          .find("'a/b' cannot name a file, as the image of its cells would be"),
+      std::string::npos);
+  EXPECT_NE(error("frames: [{name: f, images: [color, cell], meshes: " + two +
+                  "}, {name: f_a_cell, mesh: a, boundary: {}}]")
+                .find("'f_a_cell' is already used in this scene"),
+            std::string::npos);
   const std::string surfaces = "[{mesh: a, boundary: {}}, {mesh: b, boundary: {}}]";
   for (const char* key : {"path_tracing: {}, ", "effects: [multiple_scattering], "})
     EXPECT_NE(error(frame_of(surfaces, key)).find("path tracing needs a 'volume'"),

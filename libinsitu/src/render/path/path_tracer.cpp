@@ -47,9 +47,10 @@ PathTracer::PathTracer(const PathTracingSettings& settings, const Camera& camera
     : settings_(checked(settings)), lights_(lights, camera), clips_(clips) {}
 
 void PathTracer::add(const query::Sampler& sampler, const VolumeSettings& volume,
-                     const Majorants& majorants, const core::Threads& threads,
-                     core::Memory& memory) {
+                     const Majorants& majorants, const core::Threads& threads, core::Memory& memory,
+                     std::int32_t layer) {
   media_.emplace_back(sampler, volume, settings_.density, majorants, threads, memory);
+  layers_.push_back(layer);
   if (media_.size() == 1)
     bounds_ = media_.back().bounds();
   bounds_.extend(media_.back().bounds());

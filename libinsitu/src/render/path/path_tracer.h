@@ -41,9 +41,10 @@ public:
   PathTracer(const PathTracingSettings& settings, const Camera& camera,
              const std::vector<Light>& lights, const std::vector<Clip>& clips);
   /// Adds a medium; at least one before paths are traced. The sampler's mesh (of which it may hold
-  /// a part, see query::Sampler::among) must outlive this. See Medium.
+  /// a part, see query::Sampler::among) must outlive this. See Medium. layer: of the frame, see
+  /// RayState::depth_layer.
   void add(const query::Sampler& sampler, const VolumeSettings& volume, const Majorants& majorants,
-           const core::Threads& threads, core::Memory& memory);
+           const core::Threads& threads, core::Memory& memory, std::int32_t layer);
 
   /// Surfaces that shadow rays and scattered light meet too; they must outlive this. None: they
   /// pass.
@@ -77,6 +78,7 @@ private:
   PathTracingSettings settings_;
   std::int64_t first_sample_ = 0, stride_ = 1;
   std::vector<Medium> media_;
+  std::vector<std::int32_t> layers_; ///< of these
   mesh::Box bounds_{}; ///< of these
   PathLights lights_;
   const std::vector<Clip>& clips_;

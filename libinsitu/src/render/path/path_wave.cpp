@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "render/path/phase_function.h"
 
@@ -58,7 +59,7 @@ void PathWave::begin(const PathTracer& tracer, std::span<RayState> rays) {
   counts_.paths += jobs_;
   depth_samples_ =
       settings_->depth ? std::min<std::int64_t>(settings_->samples, most_for_depth) : 0;
-  stops_.assign(rays_.size() * std::size_t(depth_samples_), {HUGE_VAL, -1});
+  stops_.assign(rays_.size() * std::size_t(depth_samples_), {HUGE_VAL, -1, 0});
   paths_.resize(std::size_t(std::min<std::int64_t>(jobs_, side_by_side)));
   std::size_t going = 0;
   while (going < paths_.size() && start_next(paths_[going]))
@@ -227,7 +228,7 @@ PathWave::Next PathWave::end_of_ray(Path& path) {
   } else if (path.stop) {
     path.radiance = path.stop->color;
     path.alpha = 1;
-    stop_at(path, path.stop->t, path.stop->cell);
+    stop_at(path, {path.stop->t, path.stop->cell, path.stop->layer});
   } else if (settings_->shows_dome) {
     path.radiance = dome;
     path.alpha = 1;
@@ -264,7 +265,7 @@ PathWave::Next PathWave::dim(Path& path, double share) {
 PathWave::Next PathWave::collide(Path& path, double value) {
   ++counts_.collisions;
   if (++path.bounces == 1)
-    stop_at(path, path.t, path.found.cell);
+    stop_at(path, {path.t, path.found.cell, tracer_->layers_[path.medium]});
   path.alpha = 1;
   const Color albedo = media_[path.medium].albedo(value);
   const bool ends = settings_->scattering == Scattering::none ||
@@ -322,9 +323,9 @@ PathWave::Next PathWave::scatter(Path& path) {
   return Next::flies;
 }
 
-void PathWave::stop_at(const Path& path, double t, std::int64_t cell) {
+void PathWave::stop_at(const Path& path, const Stop& stop) {
   if (path.sample < depth_samples_)
-    stops_[std::size_t(path.item * depth_samples_ + path.sample)] = {t, cell};
+    stops_[std::size_t(path.item * depth_samples_ + path.sample)] = stop;
 }
 
 /// The first stop by which half of the samples have come to theirs.
@@ -332,10 +333,11 @@ void PathWave::set_depth(std::uint32_t item) {
   const auto first = stops_.begin() + item * depth_samples_;
   const auto middle = first + (depth_samples_ - 1) / 2;
   std::nth_element(first, middle, first + depth_samples_, [](const Stop& a, const Stop& b) {
-    return a.t != b.t ? a.t < b.t : a.cell < b.cell;
+    return std::tie(a.t, a.layer, a.cell) < std::tie(b.t, b.layer, b.cell);
   });
   rays_[item].depth = middle->t;
   rays_[item].depth_cell = middle->cell;
+  rays_[item].depth_layer = middle->layer;
 }
 
 PathWave::Next PathWave::finish(const Path& path) {

@@ -77,6 +77,7 @@ private:
   struct Stop {
     double t;
     std::int64_t cell;
+    std::int32_t layer;
   };
 
   void find_starts();
@@ -96,7 +97,7 @@ private:
 
   bool advance(Path& path);
   bool fly(Path& path, std::uint32_t medium, double from, double to);
-  void stop_at(const Path& path, double t, std::int64_t cell);
+  void stop_at(const Path& path, const Stop& stop);
   void set_depth(std::uint32_t item);
 
   const PathTracer* tracer_ = nullptr;

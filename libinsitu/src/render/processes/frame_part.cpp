@@ -72,7 +72,9 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
   std::vector<FrameLayer> layers;
   std::vector<std::optional<SharedFrame::Known>> known;
   part.world.agree_after([&] {
-    check_layers(asked);
+    for (std::size_t l = 0; l < asked.size() && asked.size() > 1; ++l)
+      if (asked[l].settings.cell && parts[l].solvers_cell)
+        refuse("images of cells of several meshes, adaptive ones among them,");
     all.reserve(asked.size());
     for (std::size_t l = 0; l < asked.size(); ++l) {
       check_shared(asked[l].settings, parts[l].has_halo);
@@ -89,7 +91,8 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
     return FrameImages{is_root ? core::Image(settings.width, settings.height, counted)
                                : core::Image(0, 0, counted),
                        core::CountedVector<float>(counted),
-                       core::CountedVector<std::int64_t>(counted)};
+                       core::CountedVector<std::int64_t>(counted),
+                       core::CountedVector<std::int32_t>(counted)};
   };
   FrameImages images, one;
   std::optional<PixelAverage> average;
@@ -108,6 +111,8 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
       images.depth.resize(images.color.rgba.size() / 4);
     if (settings.cell)
       images.cell.resize(images.color.rgba.size() / 4);
+    if (settings.cell && layers.size() > 1)
+      images.layer.resize(images.color.rgba.size() / 4);
     if (several)
       one = blank();
     frame.emplace(parts, layers, known, threads);

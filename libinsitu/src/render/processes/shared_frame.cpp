@@ -78,7 +78,10 @@ SharedFrame::SharedFrame(std::span<const FramePart> parts, std::span<const Frame
       mail_(part_.world, part_.most_bytes) {
   for (std::size_t l = 0; l < layers.size(); ++l) {
     layers_.emplace_back(parts[l], layers[l]);
-    volumes_ += layers[l].settings.volume && !traces(layers[l].settings);
+    if (!layers[l].settings.volume || traces(layers[l].settings))
+      continue;
+    ++volumes_;
+    volume_layer_ = std::int32_t(l);
   }
   begin_surfaces(layers);
   begin_light(known);
@@ -183,7 +186,7 @@ void SharedFrame::begin_paths(std::span<const FrameLayer> layers,
   for (std::size_t l = 0; l < layers.size(); ++l)
     if (traces(layers[l].settings))
       tracer_->add(layers[l].sampler, *layers[l].settings.volume, *known[l]->path_majorants,
-                   threads_, layers[l].structures.memory());
+                   threads_, layers[l].structures.memory(), std::int32_t(l));
   const bool meets = first_surfaces_ && settings_.lighting.volume_shadows;
   if (meets)
     tracer_->set_surfaces(first_surfaces_);
@@ -251,6 +254,7 @@ void SharedFrame::begin(const FrameTile& tile, std::vector<RayState>& rays) cons
     state.begin(rays_(x, y));
     state.pixel = std::uint64_t(y) * std::uint64_t(settings_.width) + std::uint64_t(x);
     state.sample = sample_;
+    state.volume_layer = volume_layer_;
     if (!settings_.clips.empty())
       clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
   });

@@ -123,6 +123,7 @@ private:
   const Surfaces* first_surfaces_ = nullptr;
   std::vector<const Surfaces*> surfaces_; ///< by layer; null: the layer has none
   std::size_t volumes_ = 0;          ///< that are marched
+  std::int32_t volume_layer_ = 0;    ///< the last one's
   std::optional<SharedLight> light_; ///< if hits or samples may send rays, or paths meet surfaces
   std::optional<PathTracer> tracer_;
   std::optional<SharedPaths> paths_;

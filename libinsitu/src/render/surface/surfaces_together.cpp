@@ -76,12 +76,16 @@ void order_together(std::span<const Surfaces* const> surfaces, std::span<RayStat
 
 void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,
                     std::span<IsosurfaceTile* const> tiles, SurfaceCounts& counts) {
-  put_hits_together(surfaces.size(), rays,
-                    [&](std::size_t layer) { surfaces[layer]->find(rays, tiles[layer], counts); });
+  put_hits_together(surfaces.size(), rays, [&](std::size_t layer) {
+    if (surfaces[layer])
+      surfaces[layer]->find(rays, tiles[layer], counts);
+  });
   for (const Surfaces* const of : surfaces)
-    of->light(rays, counts);
+    if (of)
+      of->light(rays, counts);
   for (const Surfaces* const of : surfaces)
-    of->add_lines(rays);
+    if (of)
+      of->add_lines(rays);
 }
 
 } // namespace insitu::render

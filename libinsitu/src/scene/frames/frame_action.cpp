@@ -314,17 +314,7 @@ private:
     const core::Timer timer;
     warnings_.image(done, drawing);
     draw_overlays(frame_, drawing, ticks, images.color);
-    const DrawnMesh& first = drawing.first();
-    if (drawing.decisions.own_cells && drawing.parts.empty())
-      count_as_the_solver(first, environment_.context.threads, images);
-    if (const std::optional<FrameKeys>& keys = first.known.keys)
-      for (std::int64_t& cell : images.cell)
-        cell = cell >= 0 ? keys->solvers(cell) : cell;
-    if (const mesh::Mesh& own = first.own->mesh();
-        drawing.parts.empty() && own.has_global_ids(INSITU_CELL))
-      for (std::int64_t& cell : images.cell)
-        if (cell >= 0)
-          cell = own.global_id(INSITU_CELL, cell);
+    tell_cells(frame_, drawing, environment_.context.threads, images);
     environment_.statistics.render_s += timer.seconds();
     drawn_image_.emplace(DrawnImage{std::move(images), row_of(drawing, cameras_[number].name)});
   }
