@@ -36,10 +36,12 @@ void put_on_one_chart(std::vector<DrawnMesh>& meshes, const Environment& environ
   parallel::World& world = environment.world;
   std::vector<const commit::CommittedMesh*> own;
   std::int64_t has_copies = 0;
-  for (const DrawnMesh& drawn : meshes) {
-    own.push_back(drawn.own);
-    has_copies |= has_chart_copies(*drawn.own);
-  }
+  world.agree_after([&] {
+    for (const DrawnMesh& drawn : meshes) {
+      own.push_back(drawn.own);
+      has_copies |= has_chart_copies(*drawn.own);
+    }
+  });
   world.reduce(std::span(&has_copies, 1), parallel::Reduction::greatest);
   const std::optional<double> west = first_west(own);
   for (std::size_t i = 0; i < meshes.size() && has_copies && west; ++i) {
