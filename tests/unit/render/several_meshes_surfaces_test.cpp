@@ -208,6 +208,7 @@ TEST_F(SeveralMeshes, CellsTellWhoseTheyAre) {
           const Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
           ++seen_of[of];
           mesh::CellVertices cell;
+          ASSERT_LT(images.cell[at], meshes_of[of]->sampler().mesh().cell_count());
           mesh::gather(meshes_of[of]->sampler().mesh(), images.cell[at], cell);
           mesh::Box box{cell.x[0], cell.x[0]};
           for (int v = 1; v < cell.count; ++v)

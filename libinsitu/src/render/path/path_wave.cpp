@@ -181,9 +181,11 @@ bool PathWave::advance(Path& path) {
   const double begin = path.t;
   double end = path.far;
   bool found = false;
-  for (std::uint32_t m = 0; m < media_.size(); ++m) {
-    double from = begin, to = end;
-    if (!clip_to_box(path.ray, media_[m].bounds(), from, to) || !fly(path, m, from, to))
+  for (std::uint16_t m = 0; m < media_.size(); ++m) {
+    double from = begin, to = end; // for one medium that is within its bounds
+    if (!(from < to) || (media_.size() > 1 && !clip_to_box(path.ray, media_[m].bounds(), from, to)))
+      continue;
+    if (!fly(path, m, from, to))
       continue;
     end = path.t;
     found = true;
@@ -192,7 +194,7 @@ bool PathWave::advance(Path& path) {
 }
 
 /// To where a medium's flight ends, if it does between two places of the ray.
-bool PathWave::fly(Path& path, std::uint32_t medium, double from, double to) {
+bool PathWave::fly(Path& path, std::uint16_t medium, double from, double to) {
   const Medium& through = media_[medium];
   double depth = -std::log1p(-path.random.unit());
   bool found = false;

@@ -21,9 +21,9 @@ struct Path {
   Ray ray;
   double t = 0, far = 0; ///< where it stands, and where the ray ends
   float majorant = 0;    ///< at the tentative collision that it stands at
-  std::uint32_t medium = 0; ///< whose collision that is, see PathTracer::media()
   bool is_shadow = false;
   Asks asks = Asks::value;
+  std::uint16_t medium = 0;         ///< whose that collision is, see PathTracer::media()
   std::uint32_t item = 0;           ///< which of the rays
   int bounces = 0;                  ///< real collisions
   const SurfaceHit* stop = nullptr; ///< the surface behind the medium
@@ -96,7 +96,7 @@ private:
   static Next ask(Path& path, Path::Asks what);
 
   bool advance(Path& path);
-  bool fly(Path& path, std::uint32_t medium, double from, double to);
+  bool fly(Path& path, std::uint16_t medium, double from, double to);
   void stop_at(const Path& path, const Stop& stop);
   void set_depth(std::uint32_t item);
 
