@@ -105,8 +105,10 @@ void CommittedMesh::choose_stand_in() {
   }
   if (!stand_in_)
     take_chart(stand_in_ = make_stand_in(mesh_, reference_frame, *memory_));
-  if (stand_in_)
-    stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
+  if (!stand_in_)
+    return;
+  stand_in_->begin_chart(chart_west);
+  stand_in_->require(mesh_.name(), locators_.pick(), on_device_);
 }
 
 /// Tells the policy what was asked of the tree since the last commit.

@@ -39,8 +39,7 @@ public:
     fit_.complete();
     return tree_;
   }
-  /// The same tree as it stands: its boxes may be those of an earlier step, its cells are this
-  /// one's.
+  /// The same tree as it stands: of this step's cells, in boxes of an earlier one maybe.
   const accel::Tree& standing_tree() const { return tree_; }
   /// automatic: as the policy finds; otherwise how every tree is built from now on.
   void set_builder(accel::Builder builder) { policy_.set_builder(builder); }
@@ -50,8 +49,7 @@ public:
   const query::Locators& locators() const { return locators_; }
   /// Answers whole batches, or null.
   const query::DeviceLocator* device() const { return locators_.device(); }
-  /// At the last commit one of the mesh's arrays at least was in device memory: only device()
-  /// answers.
+  /// An array of the mesh was in device memory at the last commit: only device() answers.
   bool lies_on_device() const { return on_device_; }
   insitu_locator_info locator_info() const; ///< throws INSITU_ERROR_ORDER before the first commit
   /// What device() did. reasons: of its answers, if they are on the host; they are counted.
@@ -59,6 +57,8 @@ public:
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
+  /// In longitude and latitude the chart begins here at the latest, from the next commit on.
+  double chart_west = ChartFacts::none;
   /// Faces of two processes that do not match to the bit are told if they lie within this of each
   /// other, in the diameter of a face: 0 to SeamMismatches::most_tolerance, of which 0 tells none.
   /// The same on all processes; counts from the next halo on that other cells ask for.
@@ -98,8 +98,7 @@ public:
   /// Does now what the commit has put off until a query needs it, and says what it was. Throws
   /// core::Error; the mesh stays committed, and the work is still to be done.
   insitu_commit_report complete(const core::Memory& memory);
-  /// What was put off and done since, when it was asked for.
-  const FitsDone& fits_done() const { return fit_.done(); }
+  const FitsDone& fits_done() const { return fit_.done(); } ///< what was put off and done since
 
   /// Validates the arrays as they are; the mesh need not be committed.
   cells::Validation validate(const core::Threads& threads);

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
-#include <string>
 
-#include "core/status.h"
 #include "core/timer.h"
 #include "render/path/path_tracer.h"
 #include "render/pixel_average.h"
@@ -18,14 +16,6 @@ namespace insitu::render {
 bool has_surfaces(const FrameSettings& settings) {
   return !settings.isosurfaces.empty() || settings.boundary || !settings.bodies.empty() ||
          settings.outline;
-}
-
-void check_layers(std::span<const FrameLayer> layers) {
-  for (const FrameLayer& layer : layers)
-    if (layers.size() > 1 && (layer.settings.path_tracing || layer.settings.cell))
-      throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                        std::string(layer.settings.cell ? "images of cells" : "path tracing") +
-                            " of several meshes in one frame are not there yet");
 }
 
 namespace {
@@ -50,19 +40,19 @@ public:
         settings_.lighting.volume_shadows && std::any_of(layers.begin(), layers.end(), [](auto& l) {
           return has_surfaces(l.settings) && !l.sampler.tree().empty();
         });
-    for (const FrameLayer& layer : layers)
+    for (const FrameLayer& layer : layers) {
+      surfaces_.push_back(nullptr);
       if (!layer.sampler.tree().empty())
         add(layer, shadows_others, threads);
-    for (std::size_t i = 0; i < surfaces_.size() && surfaces_.size() > 1; ++i) {
-      std::vector<const Surfaces*> others = surfaces_;
-      others.erase(others.begin() + std::ptrdiff_t(i));
-      drawn_surfaces_[i].join(std::int32_t(i), std::move(others));
     }
-    if (!surfaces_.empty() && settings_.lighting.volume_shadows) {
+    for (std::size_t l = 0; l < surfaces_.size() && surfaces_.size() > 1; ++l)
+      join(l);
+    if (!drawn_surfaces_.empty() && settings_.lighting.volume_shadows) {
+      const Surfaces* const first = &drawn_surfaces_.front(); // which knows the others
       if (paths_)
-        paths_->set_surfaces(surfaces_[0]);
+        paths_->set_surfaces(first);
       for (VolumeMarcher& volume : marchers_)
-        volume.set_surfaces(surfaces_[0]); // which knows the others
+        volume.set_surfaces(first);
     }
   }
 
@@ -104,7 +94,7 @@ public:
     while (kept.size() < surfaces_.size())
       kept.emplace_back();
     for (std::size_t i = 0; i < surfaces_.size(); ++i)
-      if (const IsosurfaceTracer* tiled = surfaces_[i]->tiled()) {
+      if (const IsosurfaceTracer* tiled = surfaces_[i] ? surfaces_[i]->tiled() : nullptr) {
         tiles[i] = &kept[i];
         tiles[i]->trace(*tiled, rays_, settings_.clips, x0, y0, x1, y1, counts);
       }
@@ -118,38 +108,59 @@ public:
   }
 
 private:
+  /// Lets rays of light of a layer's surfaces meet those of others.
+  void join(std::size_t layer) {
+    std::vector<const Surfaces*> others;
+    for (const Surfaces& of : drawn_surfaces_)
+      if (&of != surfaces_[layer])
+        others.push_back(&of);
+    for (Surfaces& of : drawn_surfaces_)
+      if (&of == surfaces_[layer])
+        of.join(std::int32_t(layer), others);
+  }
+
+  /// The last of surfaces_ is this layer's.
   void add(const FrameLayer& layer, bool shadows_others, const core::Threads& threads) {
+    const auto number = std::int32_t(surfaces_.size()) - 1;
     const auto& [sampler, settings, structures] = layer;
     const query::CulledCells* culled = nullptr;
     if (settings.volume && settings.path_tracing) {
-      PathTracingSettings tracing = *settings.path_tracing;
-      tracing.depth = settings.depth || settings.cell;
-      if (settings.samples_per_pixel > 1)
-        tracing.sums = nullptr; // the whole samples are added up
       const VolumeSettings& volume = *settings.volume;
       if (volume.culling == Culling::always)
         culled = structures.culled(volume.field, volume.function);
-      paths_.emplace(culled ? sampler.among(*culled) : sampler, volume, tracing, settings.camera,
-                     settings.lighting.lights, settings.clips, structures, threads);
+      const query::Sampler& of = culled ? sampler.among(*culled) : sampler;
+      if (!paths_)
+        begin_paths();
+      paths_->add(of, volume, path_majorants(of, volume, *settings.path_tracing, structures),
+                  threads, structures.memory(), number);
     } else if (settings.volume) {
       const VolumeStructures needed = volume_structures(
           sampler, *settings.volume, std::int64_t(settings.width) * settings.height, structures);
       volumes_.push_back(&marchers_.emplace_back(sampler, *settings.volume, needed,
                                                  settings.lighting, !settings.clips.empty()));
+      volume_layers_.push_back(number);
       culled = needed.culled;
     }
     if (culled)
       culled_.push_back(culled);
     if (has_surfaces(settings) || (settings.volume && shadows_others))
-      surfaces_.push_back(&drawn_surfaces_.emplace_back(sampler, settings, structures));
+      surfaces_.back() = &drawn_surfaces_.emplace_back(sampler, settings, structures);
+  }
+
+  void begin_paths() {
+    PathTracingSettings tracing = *settings_.path_tracing;
+    tracing.depth = settings_.depth || settings_.cell;
+    if (settings_.samples_per_pixel > 1)
+      tracing.sums = nullptr; // the whole samples are added up
+    paths_.emplace(tracing, settings_.camera, settings_.lighting.lights, settings_.clips);
   }
 
   /// The side of what draw_tile() takes; volumes share cells between more rays, and of several
   /// each ray's stretches are kept.
   int part() const { return volumes_.size() == 1 ? volume_tile_side : tile_side; }
   bool is_tiled() const {
-    return std::any_of(surfaces_.begin(), surfaces_.end(),
-                       [](const Surfaces* of) { return of->tiled(); });
+    return std::any_of(drawn_surfaces_.begin(), drawn_surfaces_.end(),
+                       [](const Surfaces& of) { return of.tiled(); });
   }
 
   void draw_tile(int x0, int y0, std::span<IsosurfaceTile* const> tiles, FrameImages& images,
@@ -169,6 +180,7 @@ private:
         state.begin(rays_(x, y));
         state.pixel = pixel_of(x, y);
         state.sample = sample_;
+        state.volume_layer = volumes_.size() == 1 ? volume_layers_[0] : 0;
         if (!settings_.clips.empty()) {
           clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
           clipped +=
@@ -176,9 +188,9 @@ private:
         }
       }
     const std::span<RayState> rays(states.data(), count);
-    if (surfaces_.size() == 1)
+    if (surfaces_.size() == 1 && surfaces_[0])
       surfaces_[0]->trace(rays, tiles[0], surface_counts);
-    else if (!surfaces_.empty())
+    else if (!drawn_surfaces_.empty())
       trace_together(surfaces_, rays, tiles, surface_counts);
     for (RayState& state : rays) {
       hits += std::int64_t(state.hits.size());
@@ -191,7 +203,7 @@ private:
     if (volumes_.size() == 1)
       volume_counts = volumes_[0]->march(rays, x1 - x0);
     else if (!volumes_.empty())
-      volume_counts = march_together(volumes_, rays, x1 - x0);
+      volume_counts = march_together(volumes_, volume_layers_, rays, x1 - x0);
     at = 0;
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
@@ -202,6 +214,8 @@ private:
           images.depth[pixel_of(x, y)] = float(state.depth);
         if (!images.cell.empty())
           images.cell[pixel_of(x, y)] = state.depth_cell;
+        if (!images.layer.empty())
+          images.layer[pixel_of(x, y)] = state.depth_layer;
         float* const pixel = images.color.pixel(x, y);
         pixel[0] = state.color.r;
         pixel[1] = state.color.g;
@@ -233,15 +247,15 @@ private:
   // By mesh, as far as it has them.
   std::deque<VolumeMarcher> marchers_;
   std::vector<const VolumeMarcher*> volumes_; ///< these
+  std::vector<std::int32_t> volume_layers_;   ///< and whose they are
   std::deque<Surfaces> drawn_surfaces_;
-  std::vector<const Surfaces*> surfaces_; ///< these
+  std::vector<const Surfaces*> surfaces_; ///< these by layer; null: it has none
   std::vector<const query::CulledCells*> culled_;
 };
 
 /// The image without the background; its color is times alpha.
 FrameImages draw_layers(std::span<const FrameLayer> layers, const core::Threads& threads,
                         FrameStatistics* statistics) {
-  check_layers(layers);
   const FrameSettings& settings = layers[0].settings;
   const core::Timer timer;
   PathSums* const sums = settings.path_tracing ? settings.path_tracing->sums : nullptr;
@@ -251,14 +265,16 @@ FrameImages draw_layers(std::span<const FrameLayer> layers, const core::Threads&
   FrameRenderer renderer(layers, threads);
   const double prepared = timer.seconds();
   const core::CountedAllocator<float> counted(layers[0].structures.memory(), INSITU_MEMORY_FRAME);
-  FrameImages images{core::Image(settings.width, settings.height, counted),
-                     core::CountedVector<float>(counted),
-                     core::CountedVector<std::int64_t>(counted)};
+  FrameImages images{
+      core::Image(settings.width, settings.height, counted), core::CountedVector<float>(counted),
+      core::CountedVector<std::int64_t>(counted), core::CountedVector<std::int32_t>(counted)};
   const std::size_t pixels = std::size_t(settings.width) * std::size_t(settings.height);
   if (settings.depth)
     images.depth.resize(pixels);
   if (settings.cell)
     images.cell.resize(pixels);
+  if (settings.cell && layers.size() > 1)
+    images.layer.resize(pixels);
   const int side = renderer.side();
   const std::int64_t columns = (settings.width + side - 1) / side;
   const std::int64_t rows = (settings.height + side - 1) / side;
@@ -273,8 +289,8 @@ FrameImages draw_layers(std::span<const FrameLayer> layers, const core::Threads&
     draw(images);
   } else {
     FrameImages one{core::Image(settings.width, settings.height, counted),
-                    core::CountedVector<float>(counted),
-                    core::CountedVector<std::int64_t>(counted)};
+                    core::CountedVector<float>(counted), core::CountedVector<std::int64_t>(counted),
+                    core::CountedVector<std::int32_t>(counted)};
     for (const PixelAverage::Sample& sample : average.samples()) {
       renderer.set_sample(sample);
       draw(sample.number == 0 ? images : one);

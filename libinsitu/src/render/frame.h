@@ -55,8 +55,11 @@ struct FrameImages {
   /// Distance along the pixel's ray, in mesh units, to where its opacity reaches a half; infinite
   /// where it never does.
   core::CountedVector<float> depth;
-  /// The flat cell (see mesh::MeshView) there, -1 where there is none.
+  /// The flat cell (see mesh::MeshView) there, -1 where there is none. Where volumes of several
+  /// meshes lie, that of the one with the greatest optical depth.
   core::CountedVector<std::int64_t> cell;
+  /// Of several layers, with an image of cells: which of them the cell is of.
+  core::CountedVector<std::int32_t> layer;
 };
 
 struct FrameStatistics {
@@ -106,14 +109,11 @@ struct FrameStatistics {
 FrameImages render_frame(const query::Sampler& sampler, const FrameSettings& settings,
                          Structures& structures, const core::Threads& threads,
                          FrameStatistics* statistics = nullptr);
-/// Draws several meshes, one at least, blended by depth; see volume/volumes_together.h. Also throws
-/// INSITU_ERROR_UNSUPPORTED for what several meshes cannot have: traced paths, images of cells.
+/// Draws several meshes, one at least, blended by depth; see volume/volumes_together.h.
 FrameImages render_frame(std::span<const FrameLayer> layers, const core::Threads& threads,
                          FrameStatistics* statistics = nullptr);
 /// Whether there is a surface, or a line, of a mesh.
 bool has_surfaces(const FrameSettings& settings);
-/// Throws core::Error (INSITU_ERROR_UNSUPPORTED) for what several meshes cannot have.
-void check_layers(std::span<const FrameLayer> layers);
 /// Puts an image of colours times alpha over the background of the settings; its alpha then is
 /// straight.
 void put_over_background(core::Image& partial, const FrameSettings& settings,

@@ -69,6 +69,30 @@ TEST(FramesOfMeshes, ImagesTableAndPlanNameAll) {
   EXPECT_NE(plan.find("boundary faces"), std::string::npos);
 }
 
+/// Of images of cells each mesh has one, which holds the cells of that mesh.
+TEST(FramesOfMeshes, ImagesOfCellsAreOfOneMeshEach) {
+  const test::Folder folder;
+  insitu::Session session = session_of(
+      "insitu: 1\nframes:\n  - {name: f, size: [32, 24], images: [color, cell], camera: {azimuth: "
+      "0, "
+      "elevation: 0}, meshes: [{mesh: a, boundary: {}}, {mesh: b, volume: {field: p}}, {mesh: a, "
+      "isosurfaces: [{field: p, values: [0.5]}]}]}\n",
+      folder);
+  const BoxMesh a(session, "a", 0, 1), b(session, "b", 2, 3);
+  const auto cells = [&](const std::string& mesh) {
+    return test::content(folder / ("f_" + mesh + "_cell_000000.png"));
+  };
+  session.execute(0, 0);
+  const runs::Table table = runs::parse_table(test::content(folder / "data.csv"));
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(table.text(1, "mesh"), "a");
+  EXPECT_EQ(table.text(2, "mesh"), "b");
+  EXPECT_EQ(table.text(2, "FILE"), "f_b_cell_000000.png");
+  EXPECT_FALSE(cells("a").empty());
+  EXPECT_NE(cells("a"), cells("b"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "f_cell_000000.png"));
+}
+
 /// A mesh that is not there is an error as for a frame of that mesh; one without cells is left out.
 TEST(FramesOfMeshes, AMeshMayComeLater) {
   const test::Folder folder;
@@ -114,6 +138,35 @@ TEST(FramesOfMeshes, ACutMeshIsTheWhole) {
   const Half a(parts, "a", false), b(parts, "b", true);
   parts.execute(0, 0);
   EXPECT_EQ(test::content(one / "f_000000.png"), test::content(two / "f_000000.png"));
+}
+
+/// Samples of paths add up until one of the meshes changes, whichever; the plan names their sums
+/// once.
+TEST(FramesOfMeshes, SamplesOfPathsAddUpUntilAMeshChanges) {
+  const test::Folder folder;
+  const std::string drawn =
+      "size: [16, 16], format: [exr], effects: [multiple_scattering], meshes: "
+      "[{mesh: a, volume: {field: p}}, {mesh: b, volume: {field: p}}]";
+  insitu::Session session = session_of(
+      "insitu: 1\nframes:\n  - {name: sums, path_tracing: {samples: 2, accumulate: true}, " +
+          drawn + "}\n  - {name: one, path_tracing: {samples: 2}, " + drawn + "}\n",
+      folder);
+  const BoxMesh a(session, "a", 0, 1);
+  BoxMesh b(session, "b", 0.5, 1.5);
+  const auto is_one = [&](int cycle) {
+    const std::string of = "_00000" + std::to_string(cycle) + ".exr";
+    session.execute(cycle, cycle);
+    return test::content(folder / ("sums" + of)) == test::content(folder / ("one" + of));
+  };
+  EXPECT_TRUE(is_one(0));
+  EXPECT_FALSE(is_one(1));
+  b.values[7] += 0.25;
+  b.mesh.vertex_field("p", b.values.data());
+  EXPECT_TRUE(is_one(2));
+  EXPECT_FALSE(is_one(3));
+  const std::string plan = session.plan(), sums = "sums of samples of frame 'sums'";
+  ASSERT_NE(plan.find(sums), std::string::npos) << plan;
+  EXPECT_EQ(plan.find(sums), plan.rfind(sums)) << plan;
 }
 
 /// Two fields of one mesh.

@@ -140,11 +140,17 @@ TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfAFrameOfSeveralMeshes) {
 
 TEST(ProcessFailures, MemoryThatLacksInAnyPhaseOfTracedPaths) {
   const int failures = lack_each(
-      "frames:\n  - {name: light, size: [6, 6], volume: {field: p}, isosurfaces: [{field: p, "
-      "values: [1], opacity: 0.5, normals: cell}], effects: [single_scattering, volume_shadows],\n"
-      "     lights: [{directional: [1, 1, 2]}], path_tracing: {samples: 2, accumulate: true}}\n",
-      19, [](Attempt& attempt) {
+      "frames:\n  - {name: light, size: [6, 6], effects: [single_scattering, volume_shadows],\n"
+      "     lights: [{directional: [1, 1, 2]}], path_tracing: {samples: 2, accumulate: true}, "
+      "meshes: [\n"
+      "     {mesh: m, volume: {field: p}, isosurfaces: [{field: p, values: [1], opacity: 0.5, "
+      "normals: cell}]}, {mesh: n, volume: {field: p}}]}\n",
+      29, [](Attempt& attempt) {
+        FurtherMesh n(attempt.process, "n", attempt.whole,
+                      fixtures::empty_root(attempt.whole, processes), attempt.world.rank());
+        n.give_fields(0);
         EXPECT_EQ(attempt.process.execute(0), "");
+        n.give_fields(1);
         attempt([&] { return execute(attempt.process, 1); });
         EXPECT_EQ(attempt.process.execute(2), "");
       });

@@ -90,7 +90,8 @@ int greatest_step(const output::PngImage& a, const output::PngImage& b) {
 
 TEST(ProcessFramesOfMeshes, VolumesThatOverlap) {
   expect_same_on_all(
-      "  - name: integrals\n    size: [70, 66]\n    images: [color, depth]\n    format: [png, "
+      "  - name: integrals\n    size: [70, 66]\n    images: [color, depth, cell]\n    format: "
+      "[png, "
       "exr]\n"
       "    scalar_bar: true\n    outline: {ticks: true}\n    meshes:\n"
       "      - {mesh: m, volume: {field: p, opacity: [[0, 0], [16, 0.05]]}}\n"
@@ -108,7 +109,8 @@ TEST(ProcessFramesOfMeshes, VolumesThatOverlap) {
 
 TEST(ProcessFramesOfMeshes, SurfacesInOneOrder) {
   expect_same_on_all(
-      "  - name: one_volume\n    size: [66, 70]\n    images: [color, depth]\n    format: [png, "
+      "  - name: one_volume\n    size: [66, 70]\n    images: [color, depth, cell]\n    format: "
+      "[png, "
       "exr]\n"
       "    cameras: {side: {azimuth: 90}, top: {elevation: 80, orthographic: true, fit: box}}\n"
       "    meshes:\n"
@@ -150,6 +152,39 @@ TEST(ProcessFramesOfMeshes, LightAndShadows) {
           "      - {mesh: n, isosurfaces: [{field: c, values: [0.2], opacity: 0.5}]}\n"
           "      - {mesh: k, boundary: {}}\n",
       5);
+}
+
+/// Media of several meshes, one of which some processes lack; surfaces that light meets on its way,
+/// or does not; samples of pixels, and those that add up from cycle to cycle.
+TEST(ProcessFramesOfMeshes, TracedPaths) {
+  const std::string lights =
+      "    lights: [{dome: true, color: [0.3, 0.4, 0.5]}, {directional: [1, 1, 2]}, "
+      "{point: [1.5, 0.4, 6]}]\n";
+  expect_same_on_all(
+      "  - name: walls\n    size: [20, 18]\n    every: 2\n    format: [png, exr]\n    images: "
+      "[color, depth, cell]\n" +
+          lights +
+          "    effects: [multiple_scattering, shadows, volume_shadows]\n"
+          "    path_tracing: {samples: 2, anisotropy: 0.3}\n    meshes:\n"
+          "      - {mesh: k, boundary: {opacity: 0.6}}\n"
+          "      - {mesh: n, volume: {field: p, colors: inferno, opacity: [[0, 0], [16, 0.4]]},\n"
+          "          isosurfaces: [{field: p, values: [2.5], opacity: 0.7, normals: central}]}\n"
+          "      - {mesh: m, volume: {field: p, opacity: [[0, 0], [16, 0.2]]}}\n"
+          "  - name: sums\n    size: [20, 18]\n    format: [png, exr]\n" +
+          lights +
+          "    effects: [single_scattering]\n"
+          "    path_tracing: {samples: 3, accumulate: true, dome_visible: true}\n    meshes:\n"
+          "      - {mesh: m, volume: {field: c, opacity: [[-1, 0], [1, 0.2]]}}\n"
+          "      - {mesh: k, volume: {field: p, unit_distance: 0.3}}\n"
+          "      - {mesh: n, isosurfaces: [{field: p, values: [2], opacity: 0.5}]}\n"
+          "  - name: pixels\n    size: [18, 20]\n    every: 2\n    format: [exr]\n    "
+          "samples_per_pixel: 2\n"
+          "    clip: [{plane: {point: [2, 2, 2], normal: [1, 0.2, 0.1]}}]\n"
+          "    path_tracing: {samples: 4}\n    meshes:\n"
+          "      - {mesh: m, volume: {field: p, opacity: [[0, 0], [16, 0.2]]}}\n"
+          "      - {mesh: m, volume: {field: c, smooth: true, opacity: [[-1, 0], [1, 0.1]]}}\n"
+          "      - {mesh: k, boundary: {}}\n",
+      8);
 }
 
 /// With one volume surfaces of other meshes part it; several volumes are exact in any case, and a

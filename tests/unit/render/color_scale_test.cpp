@@ -228,7 +228,9 @@ TEST(ColorScale, AlbedosOfAMedium) {
   render::Structures structures(mesh.committed.memory);
   structures.begin(mesh.sampler(), 1, 1, mesh.committed.threads);
   const TransferFunction f(with_ends(Scale::log), 1e-3, 1, {{1e-3, 0.1}, {1, 0.8}});
-  const render::Medium medium(mesh.sampler(), field, f, 1, 0.1, structures.majorants(field, f),
+  render::VolumeSettings volume{field, f};
+  volume.unit_distance = 0.1;
+  const render::Medium medium(mesh.sampler(), volume, 1, structures.majorants(field, f),
                               mesh.committed.threads, mesh.committed.memory);
   for (const double value : {-1.0, 0.0, 5e-4, 1e-3, 3e-3, 0.2, 1.0, 7.0}) {
     const Color a = medium.albedo(value), b = f.color(value);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <gtest/gtest.h>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "unit/render/render_mesh.h"
@@ -44,6 +46,22 @@ inline TestMesh together(TestMesh a, const TestMesh& b) {
   return a;
 }
 
+/// Cut where x is a half, between hexahedra.
+inline std::pair<TestMesh, TestMesh> halves_of(const TestMesh& cells) {
+  TestMesh left = cells, right = cells;
+  const auto keep = [&](TestMesh& half, bool low) {
+    std::erase_if(half.cells, [&](const MeshCell& cell) {
+      Vec3d p;
+      for (const auto v : cell.vertices)
+        p += 0.125 * cells.vertices[std::size_t(v)];
+      return (p.x < 0.5) != low;
+    });
+  };
+  keep(left, true);
+  keep(right, false);
+  return {left, right};
+}
+
 struct Layer {
   RenderMesh* mesh;
   FrameSettings settings;
@@ -51,7 +69,8 @@ struct Layer {
 
 inline core::Image draw(const std::vector<Layer>& layers, int threads = 2,
                         render::FrameStatistics* statistics = nullptr,
-                        std::vector<float>* depth = nullptr) {
+                        std::vector<float>* depth = nullptr,
+                        const std::function<void(const FrameImages&)>& check = {}) {
   const core::Threads pool(threads);
   std::deque<query::Sampler> samplers;
   std::deque<render::Structures> structures;
@@ -62,6 +81,8 @@ inline core::Image draw(const std::vector<Layer>& layers, int threads = 2,
     drawn.push_back({samplers.back(), layer.settings, structures.back()});
   }
   const FrameImages images = render::render_frame(drawn, pool, statistics);
+  if (check)
+    check(images);
   if (depth)
     depth->assign(images.depth.begin(), images.depth.end());
   return images.color;

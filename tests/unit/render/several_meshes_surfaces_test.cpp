@@ -1,6 +1,5 @@
 // Surfaces and volumes of several meshes in one frame, against closed forms and one mesh of all
 // cells.
-#include "core/status.h"
 #include "unit/render/several_meshes.h"
 
 namespace insitu::test {
@@ -107,17 +106,7 @@ TEST_F(SeveralMeshes, PartsThatLieApartAreTheWholeWithItsShadows) {
 /// A cut mesh: see doc/design/frames.md. The volume's stretch that holds the cut is parted there.
 TEST_F(SeveralMeshes, HalvesAreTheWhole) {
   const TestMesh cells = box_cells(6, Shape::hexahedron, 0.0);
-  TestMesh left = cells, right = cells;
-  const auto keep = [&](TestMesh& half, bool low) {
-    std::erase_if(half.cells, [&](const MeshCell& cell) {
-      Vec3d p;
-      for (const auto v : cell.vertices)
-        p += 0.125 * cells.vertices[std::size_t(v)];
-      return (p.x < 0.5) != low;
-    });
-  };
-  keep(left, true);
-  keep(right, false);
+  const auto [left, right] = halves_of(cells);
   RenderMesh &whole = mesh(cells), &a = mesh(left), &b = mesh(right);
   const auto f = [](const Vec3d& p) { return p.x * p.y + 0.3 * p.z; };
   const auto settings = [&](RenderMesh& of, bool surfaces, double step) {
@@ -183,24 +172,63 @@ TEST_F(SeveralMeshes, ThreadsClipsSamplesAndEmptyMeshes) {
   EXPECT_EQ(by_one.rgba, draw({one, {&empty, s}, other}).rgba);
 }
 
-TEST_F(SeveralMeshes, RefusesWhatHasOneMedium) {
-  const Box a{{0, 0, 0}, {1, 1, 1}};
-  Layer one = layer({a, 0.6, 0.9}), other = layer({a, 0.8, 0.1});
-  const auto refused = [&] {
-    try {
-      draw({one, other});
-    } catch (const core::Error& e) {
-      EXPECT_EQ(e.status(), INSITU_ERROR_UNSUPPORTED);
-      return std::string(e.what());
+/// Each cell that is seen holds the place that is seen, in the mesh that the layer names: of media
+/// in one place the one that hides more there; of a surface before them its mesh.
+TEST_F(SeveralMeshes, CellsTellWhoseTheyAre) {
+  const Medium thin{{{0, 0, 0}, {1, 1, 1}}, 0.9, 0.9},
+      dense{{{0.3, 0.2, 0.4}, {1.2, 0.7, 1.1}}, 0.99, 0.1};
+  std::vector<Layer> layers{layer(thin), layer(dense, 5)};
+  RenderMesh& plate = mesh(cells_of({{0, 0, 1.2}, {0.4, 0.4, 1.3}}, 2, 0));
+  layers.push_back({&plate, frame});
+  layers[2].settings.boundary = render::BoundarySettings{1, Color{1, 0, 0}};
+  const RayGenerator rays(frame.camera, frame.width, frame.height);
+  for (const char* form : {"samples", "integrals", "paths"}) {
+    SCOPED_TRACE(form);
+    const bool is_traced = form == std::string("paths");
+    for (Layer& of : layers) {
+      of.settings.depth = of.settings.cell = true;
+      if (of.settings.volume)
+        of.settings.volume->preintegrated = form == std::string("integrals");
+      if (is_traced)
+        of.settings.path_tracing.emplace().samples = 16;
     }
-    return std::string();
-  };
-  EXPECT_EQ(refused(), "");
-  one.settings.path_tracing = render::PathTracingSettings{};
-  EXPECT_NE(refused().find("path tracing"), std::string::npos);
-  one.settings.path_tracing.reset();
-  other.settings.cell = true;
-  EXPECT_NE(refused().find("images of cells"), std::string::npos);
+    // Images are counted in the structures' memory.
+    RenderMesh* const meshes_of[] = {layers[0].mesh, layers[1].mesh, &plate};
+    int seen_of[3] = {};
+    const auto check = [&](const FrameImages& images) {
+      for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x) {
+          const auto at = std::size_t(y * frame.width + x);
+          if (images.cell[at] < 0) {
+            EXPECT_EQ(images.depth[at], HUGE_VALF);
+            continue;
+          }
+          const auto of = std::size_t(images.layer[at]);
+          const render::Ray ray = rays(x, y);
+          const Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
+          ++seen_of[of];
+          mesh::CellVertices cell;
+          ASSERT_LT(images.cell[at], meshes_of[of]->sampler().mesh().cell_count());
+          mesh::gather(meshes_of[of]->sampler().mesh(), images.cell[at], cell);
+          mesh::Box box{cell.x[0], cell.x[0]};
+          for (int v = 1; v < cell.count; ++v)
+            box.extend({cell.x[v], cell.x[v]});
+          // Samples stand for half a step about them.
+          const double slack = is_traced ? 1e-5 : 0.15;
+          box.low = box.low - slack * Vec3d{1, 1, 1};
+          box.high = box.high + slack * Vec3d{1, 1, 1};
+          EXPECT_TRUE(box.holds(p)) << x << ", " << y;
+          const Stretch in = stretch_of(ray, dense.box);
+          if (!is_traced && of < 2 && double(images.depth[at]) > in.from + slack &&
+              double(images.depth[at]) < in.to - slack) {
+            EXPECT_EQ(of, 1u) << x << ", " << y;
+          }
+        }
+    };
+    draw(layers, 2, nullptr, nullptr, check);
+    for (const int seen : seen_of)
+      EXPECT_GT(seen, 20);
+  }
 }
 
 } // namespace

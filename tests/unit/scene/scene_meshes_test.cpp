@@ -25,6 +25,11 @@ TEST(SceneMeshes, Keys) {
   EXPECT_EQ(f.layers[1].mesh.line, 2);
   EXPECT_EQ(f.layers[1].isosurfaces[0].values.size(), 2u);
   EXPECT_TRUE(f.layers[1].boundary && !f.layers[1].volume);
+  EXPECT_EQ(scene::test::parse(frame_of("[{mesh: a, boundary: {}}, {mesh: b, volume: {field: p}}]",
+                                        "path_tracing: {samples: 7}, "))
+                .frames[0]
+                .path_tracing->samples,
+            7);
   const auto one = scene::test::parse("frames: [{name: f, mesh: m, boundary: {}}]").frames[0];
   ASSERT_EQ(one.layers.size(), 1u);
   EXPECT_EQ(one.layers[0].mesh.text, "m");
@@ -47,11 +52,19 @@ TEST(SceneMeshes, Errors) {
     EXPECT_NE(error(frame_of(two, key)).find("a frame with 'meshes' has it in their list"),
               std::string::npos)
         << key;
-  EXPECT_NE(error(frame_of(two, "images: [cell], ")).find("no image of cells"), std::string::npos);
-  EXPECT_NE(error(frame_of(two, "path_tracing: {}, ")).find("is not path traced"),
+  EXPECT_NE(
+      error(frame_of("[{mesh: a/b, boundary: {}}, {mesh: b, boundary: {}}]", "images: [cell], "))
+          .find("'a/b' cannot name a file, as the image of its cells would be"),
+      std::string::npos);
+  EXPECT_NE(error("frames: [{name: f, images: [color, cell], meshes: " + two +
+                  "}, {name: f_a_cell, mesh: a, boundary: {}}]")
+                .find("'f_a_cell' is already used in this scene"),
             std::string::npos);
-  EXPECT_NE(error(frame_of(two, "effects: [multiple_scattering], ")).find("is not path traced"),
-            std::string::npos);
+  const std::string surfaces = "[{mesh: a, boundary: {}}, {mesh: b, boundary: {}}]";
+  for (const char* key : {"path_tracing: {}, ", "effects: [multiple_scattering], "})
+    EXPECT_NE(error(frame_of(surfaces, key)).find("path tracing needs a 'volume'"),
+              std::string::npos)
+        << key;
   EXPECT_NE(error(frame_of(two, "geocentric: {graticule: 10}, ")).find("neither 'globe' nor"),
             std::string::npos);
 }

@@ -85,7 +85,9 @@ bool Geodetic::build(const mesh::Mesh& mesh, const geo::ChartUnits& units, bool 
     whole_ = facts_;
   else if (!has_whole_)
     whole_.add(facts_);
-  ChartCells found = search.find(whole_);
+  ChartFacts chart = whole_;
+  chart.west = std::min(chart.west, west_);
+  ChartCells found = search.find(chart);
   image_ = found.image;
   std::vector<std::unique_ptr<Copies>> copies;
   for (const bool of_halo : {false, true}) {

@@ -52,6 +52,8 @@ public:
   std::int64_t own_vertex(std::int64_t flat) const override;
   std::int64_t find(const Place& place) const override;
   const ChartFacts* chart_facts() const override { return &facts_; }
+  const ChartFacts* whole_chart() const override { return &whole_; }
+  void begin_chart(double west) override { west_ = west; }
   bool has_whole_chart() const override { return has_whole_; }
   bool set_whole_chart(const ChartFacts& whole) override;
   void take_chart(const StandIn& of, bool is_part) override;
@@ -86,6 +88,7 @@ private:
   const mesh::MeshView* own_ = nullptr;
   ChartFacts facts_, whole_;                      ///< of this process's cells, and of all
   bool has_whole_ = false, knows_others_ = false; ///< whole_ is that; it was once
+  double west_ = ChartFacts::none;                ///< where the chart begins at the latest
   query::ChartImage image_;
   std::vector<std::int64_t> hidden_;
   /// Seam, north, south: those there are; own_copies_ of them of own cells, then those of a halo's.

@@ -82,6 +82,10 @@ public:
   // Of a mesh in longitude and latitude over several processes.
   /// What a chart takes from this process's cells, and whether it is that of all processes'.
   virtual const ChartFacts* chart_facts() const { return nullptr; }
+  /// The same of all processes, as far as it is known.
+  virtual const ChartFacts* whole_chart() const { return nullptr; }
+  /// Before a commit: the chart begins at this longitude, unless cells begin further west.
+  virtual void begin_chart(double /*west*/) {}
   virtual bool has_whole_chart() const { return true; }
   /// From the next commit on the chart is that of all processes' cells, until those here tell other
   /// facts. Returns whether the chart is another than that of the last commit.

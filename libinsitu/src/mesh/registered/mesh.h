@@ -161,7 +161,8 @@ public:
   const std::string& global_ids_descend() const { return global_ids_descend_; }
 
   /// Registers what `from` has, as of its last update(), but for the vertices: those lie at
-  /// points[from.own_view().first_vertex[piece] + id], borrowed. Nothing else is copied but
+  /// points[from.own_view().first_vertex[piece] + id], borrowed; null: where `from` has them.
+  /// Nothing else is copied but
   /// pointers, and these are taken anew with each call; what changed is up to set_changed(). Not of
   /// adaptive meshes.
   void share(const Mesh& from, const math::Vec3d* points);

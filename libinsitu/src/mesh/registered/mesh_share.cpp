@@ -9,6 +9,11 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
   separate_pieces_ = from.separate_pieces_;
   for (std::size_t p = 0; p < pieces_.size(); ++p) {
     Piece& piece = pieces_[p];
+    piece.hidden_points = {}; // the fields' values tell
+    if (!points) {
+      piece.flat.reset(); // which is from's
+      continue;
+    }
     if (piece.flat) { // as the volume cells that it stands as
       piece.view = from.piece_views_[p];
       piece.view.flat_vertices = 0;
@@ -35,7 +40,6 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
     piece.has_points = true;
     for (ExternalArray& axis : piece.axes)
       axis = {};
-    piece.hidden_points = {}; // the fields' values tell
   }
   fields_.clear();
   for (const auto& field : from.fields_) {
@@ -48,7 +52,9 @@ void Mesh::share(const Mesh& from, const math::Vec3d* points) {
         piece.behind.clear();
         piece.layout = piece.blanked->layout();
       }
-      if (p < from.pieces_.size() && from.pieces_[p].flat && to.association == INSITU_VERTEX) {
+      piece.in_rows.reset(); // which is from's
+      if (points && p < from.pieces_.size() && from.pieces_[p].flat &&
+          to.association == INSITU_VERTEX) {
         const FieldPieceView& twice = field->views[p];
         piece.components.assign(twice.component, twice.component + to.components);
         piece.behind.clear();

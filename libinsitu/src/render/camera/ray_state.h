@@ -34,6 +34,7 @@ struct VolumeStretch {
   double from, to; ///< from < to
   float alpha;     ///< above 0
   Color color;     ///< not times alpha
+  std::int64_t cell = -1;
 };
 
 /// What a ray has gathered, front to back, and where it stands.
@@ -59,6 +60,8 @@ struct RayState {
   /// Where alpha reached a half, and the flat cell there; see FrameImages.
   double depth = HUGE_VAL;
   std::int64_t depth_cell = -1;
+  std::int32_t depth_layer = 0;  ///< of a frame of several meshes: whose cell that is
+  std::int32_t volume_layer = 0; ///< whose volume it is that stretches are blended of
 
   /// A ray that has gathered nothing yet; vectors keep their memory.
   void begin(const Ray& r) {
@@ -78,6 +81,7 @@ struct RayState {
     lit = integrals = shadow_rays = 0;
     depth = HUGE_VAL;
     depth_cell = -1;
+    depth_layer = volume_layer = 0;
   }
 
   bool is_saturated() const { return alpha >= saturated; }
@@ -85,7 +89,7 @@ struct RayState {
   /// A medium in a cell that absorbs a of the light over a stretch of the ray.
   void blend_stretch(const Color& c, float a, double from, double to, std::int64_t cell) {
     if (keeps_stretches && a > 0 && to > from)
-      stretches.push_back({from, to, a, c});
+      stretches.push_back({from, to, a, c, cell});
     const float before = alpha;
     blend(c, a);
     if (before < 0.5f && alpha >= 0.5f) {
@@ -93,6 +97,7 @@ struct RayState {
       const double x = a < 1 ? std::log(0.5 / (1.0 - before)) / std::log1p(-double(a)) : 0.0;
       depth = from + std::fmin(x, 1.0) * (to - from);
       depth_cell = cell;
+      depth_layer = volume_layer;
     }
   }
   /// The next piece begins with nothing gathered.
@@ -118,6 +123,7 @@ struct RayState {
     if (see_through && alpha >= 0.5f) {
       depth = hit.t;
       depth_cell = hit.cell;
+      depth_layer = hit.layer;
     }
   }
 };

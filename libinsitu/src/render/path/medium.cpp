@@ -2,21 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 #include "core/status.h"
+#include "render/clip.h"
 #include "render/path/path_settings.h"
 
 namespace insitu::render {
 
-Medium::Medium(const query::Sampler& sampler, const ScalarField& field,
-               const TransferFunction& function, double density, double unit_distance,
+Medium::Medium(const query::Sampler& sampler, const VolumeSettings& volume, double density,
                const Majorants& majorants, const core::Threads& threads, core::Memory& memory)
-    : sampler_(sampler.among_images()), field_(field), function_(function),
-      scale_(density / unit_distance), grid_(majorants.grid()),
-      majorants_(memory, INSITU_MEMORY_FRAME), colors_(function) {
+    : sampler_(sampler.among_images()), bounds_(sampler.facts().bounds), field_(volume.field),
+      function_(volume.function), grid_(majorants.grid()), majorants_(memory, INSITU_MEMORY_FRAME),
+      colors_(function_) {
+  options_.accuracy = volume.accuracy;
+  options_.coordinates = field_.field.association != INSITU_CELL;
+  const double unit_distance = unit_distance_of(sampler, volume);
+  scale_ = density / unit_distance;
   if (!(density >= 0) || !(unit_distance > 0) || !std::isfinite(scale_))
     throw core::Error(INSITU_ERROR_ARGUMENT,
-                      std::string("volume of '") + field.field.name + "': a density of " +
+                      std::string("volume of '") + field_.field.name + "': a density of " +
                           std::to_string(density) + " over a unit distance of " +
                           std::to_string(unit_distance) +
                           "; a density of 0 or more and a distance above 0 expected");
@@ -44,6 +50,23 @@ double Medium::extinction(double value) const {
 
 Color Medium::albedo(double value) const {
   return std::isnan(value) ? function_.color(value) : colors_(value);
+}
+
+bool clip_to_box(const Ray& ray, const mesh::Box& box, double& near, double& far) {
+  const std::optional<Stretch> in = stretch_in_box(ray, box.low, box.high);
+  if (!in)
+    return false;
+  near = std::max(near, in->from);
+  far = std::min(far, in->to);
+  return near < far && std::isfinite(far);
+}
+
+void Medium::find_values(std::span<const math::Vec3d> points, std::span<PlaceValue> found) const {
+  thread_local std::vector<query::Location> locations; // kept for the thread's life
+  locations.resize(points.size());
+  sampler_.locate_serial(points, locations, options_);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    found[i] = value_at(locations[i]);
 }
 
 } // namespace insitu::render

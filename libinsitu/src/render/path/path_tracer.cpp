@@ -1,7 +1,6 @@
 #include "render/path/path_tracer.h"
 
-#include <algorithm>
-#include <cmath>
+#include <string>
 
 #include "core/status.h"
 #include "render/path/path_grid.h"
@@ -11,7 +10,7 @@ namespace insitu::render {
 
 namespace {
 
-const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSettings& volume) {
+const PathTracingSettings& checked(const PathTracingSettings& s) {
   const auto refuse = [](const std::string& message) {
     throw core::Error(INSITU_ERROR_ARGUMENT, "path tracing: " + message + " given");
   };
@@ -23,11 +22,6 @@ const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSet
     refuse("1 bounce or more expected, " + std::to_string(s.max_bounces));
   if (!(s.roulette >= 0 && s.roulette <= 1))
     refuse("a threshold of roulette from 0 to 1 expected, " + std::to_string(s.roulette));
-  if (volume.field.component >= volume.field.field.components)
-    throw core::Error(INSITU_ERROR_FIELD,
-                      std::string("volume of '") + volume.field.field.name + "': component " +
-                          std::to_string(volume.field.component) + " asked for, " +
-                          std::to_string(volume.field.field.components) + " held");
   return s;
 }
 
@@ -35,6 +29,11 @@ const PathTracingSettings& checked(const PathTracingSettings& s, const VolumeSet
 
 const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSettings& volume,
                                 const PathTracingSettings& settings, Structures& structures) {
+  if (volume.field.component >= volume.field.field.components)
+    throw core::Error(INSITU_ERROR_FIELD,
+                      std::string("volume of '") + volume.field.field.name + "': component " +
+                          std::to_string(volume.field.component) + " asked for, " +
+                          std::to_string(volume.field.field.components) + " held");
   if (settings.majorants)
     return *settings.majorants;
   const mesh::MeshFacts facts = sampler.facts();
@@ -43,27 +42,22 @@ const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSetti
   return structures.majorants(volume.field, volume.function, &grid);
 }
 
-PathTracer::PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
-                       const PathTracingSettings& settings, const Camera& camera,
-                       const std::vector<Light>& lights, const std::vector<Clip>& clips,
-                       Structures& structures, const core::Threads& threads)
-    : settings_(checked(settings, volume)),
-      medium_(sampler, volume.field, volume.function, settings.density,
-              unit_distance_of(sampler, volume),
-              path_majorants(sampler, volume, settings, structures), threads, structures.memory()),
-      lights_(lights, camera), clips_(clips), low_(sampler.facts().bounds.low),
-      high_(sampler.facts().bounds.high) {
-  options_.accuracy = volume.accuracy;
-  options_.coordinates = volume.field.field.association != INSITU_CELL;
+PathTracer::PathTracer(const PathTracingSettings& settings, const Camera& camera,
+                       const std::vector<Light>& lights, const std::vector<Clip>& clips)
+    : settings_(checked(settings)), lights_(lights, camera), clips_(clips) {}
+
+void PathTracer::add(const query::Sampler& sampler, const VolumeSettings& volume,
+                     const Majorants& majorants, const core::Threads& threads, core::Memory& memory,
+                     std::int32_t layer) {
+  media_.emplace_back(sampler, volume, settings_.density, majorants, threads, memory);
+  layers_.push_back(layer);
+  if (media_.size() == 1)
+    bounds_ = media_.back().bounds();
+  bounds_.extend(media_.back().bounds());
 }
 
 bool PathTracer::clip_to_bounds(const Ray& ray, double& near, double& far) const {
-  const std::optional<Stretch> in = stretch_in_box(ray, low_, high_);
-  if (!in)
-    return false;
-  near = std::max(near, in->from);
-  far = std::min(far, in->to);
-  return near < far && std::isfinite(far);
+  return clip_to_box(ray, bounds_, near, far);
 }
 
 void PathTracer::trace(std::span<RayState> rays, PathCounts& counts) const {
@@ -92,33 +86,25 @@ void PathTracer::answer_values(std::span<Path> paths) const {
   thread_local std::vector<math::Vec3d> points; // these three for the thread's life
   thread_local std::vector<PlaceValue> found;
   thread_local std::vector<Path*> asking;
-  points.clear();
-  asking.clear();
-  for (Path& path : paths)
-    if (path.asks == Path::Asks::value) {
-      points.push_back(path.place());
-      asking.push_back(&path);
-    }
-  if (settings_.locate == PathTracingSettings::Locate::batch) {
-    found.resize(points.size());
-    find_values(points, found);
-    for (std::size_t i = 0; i < asking.size(); ++i)
-      asking[i]->found = found[i];
-    return;
-  }
   const bool hints = settings_.locate == PathTracingSettings::Locate::last_cell;
-  for (std::size_t i = 0; i < asking.size(); ++i)
-    asking[i]->found =
-        value_at(medium_.sampler().locate(points[i], hints ? asking[i]->found.cell : -1, options_));
-}
-
-void PathTracer::find_values(std::span<const math::Vec3d> points,
-                             std::span<PlaceValue> found) const {
-  thread_local std::vector<query::Location> locations; // kept for the thread's life
-  locations.resize(points.size());
-  medium_.sampler().locate_serial(points, locations, options_);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    found[i] = value_at(locations[i]);
+  for (std::uint32_t m = 0; m < media_.size(); ++m) {
+    points.clear();
+    asking.clear();
+    for (Path& path : paths)
+      if (path.asks == Path::Asks::value && path.medium == m) {
+        points.push_back(path.place());
+        asking.push_back(&path);
+      }
+    if (settings_.locate == PathTracingSettings::Locate::batch) {
+      found.resize(points.size());
+      media_[m].find_values(points, found);
+      for (std::size_t i = 0; i < asking.size(); ++i)
+        asking[i]->found = found[i];
+      continue;
+    }
+    for (std::size_t i = 0; i < asking.size(); ++i)
+      asking[i]->found = media_[m].value_at(points[i], hints ? asking[i]->found.cell : -1);
+  }
 }
 
 } // namespace insitu::render

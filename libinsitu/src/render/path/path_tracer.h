@@ -15,33 +15,36 @@
 
 namespace insitu::render {
 
-/// The majorants of a volume that is path traced: those of the settings, or the structures'.
+/// The majorants of a volume that is path traced: those of the settings, or the structures'. Throws
+/// core::Error (INSITU_ERROR_FIELD) for a component that the field does not have.
 const Majorants& path_majorants(const query::Sampler& sampler, const VolumeSettings& volume,
                                 const PathTracingSettings& settings, Structures& structures);
 
 struct Path;
 
-/// Follows light through a volume, without bias: free flights by delta tracking (Woodcock et al.
-/// 1965) through the majorants of macrocells, transmittances of shadow rays by ratio tracking
-/// (Novak et al. 2014). Dome lights are met by the paths that leave the medium, all others by a
-/// shadow ray from each collision, so none counts twice. Surfaces end the rays from the camera, a
-/// translucent one with a chance of its opacity; scattered light and shadow rays pass them by,
-/// unless set_surfaces() lets them meet: then what light a surface sends into the medium is what
-/// is seen of it.
-/// Where a ray leaves the medium without a collision it shows the surface or background behind.
+/// Follows light through media, those of a frame's volumes, without bias: free flights by delta
+/// tracking (Woodcock et al. 1965) through the majorants of macrocells, transmittances of shadow
+/// rays by ratio tracking (Novak et al. 2014). Each medium has flights of its own, and that which
+/// collides first decides: where media lie in one place extinctions add up. Dome lights are met by
+/// the paths that leave the medium, all others by a shadow ray from each collision, so none counts
+/// twice. Surfaces end the rays from the camera, a translucent one with a chance of its opacity;
+/// scattered light and shadow rays pass them by, unless set_surfaces() lets them meet: then what
+/// light a surface sends into the medium is what is seen of it. Where a ray leaves the medium
+/// without a collision it shows the surface or background behind.
 class PathTracer {
 public:
   /// Paths of so many pixels along each axis are traced together, which is the order of sums.
   static constexpr int tile_side = 16;
 
-  /// Of a volume's settings those of marching (steps, lighting) and culling are not used. Asks
-  /// structures for majorants. The sampler's mesh (of which it may hold a part, see
-  /// query::Sampler::among), the clips and settings.sums must outlive it. Throws core::Error
-  /// (INSITU_ERROR_ARGUMENT or INSITU_ERROR_FIELD) for what is out of range.
-  PathTracer(const query::Sampler& sampler, const VolumeSettings& volume,
-             const PathTracingSettings& settings, const Camera& camera,
-             const std::vector<Light>& lights, const std::vector<Clip>& clips,
-             Structures& structures, const core::Threads& threads);
+  /// The clips and settings.sums must outlive it. Throws core::Error (INSITU_ERROR_ARGUMENT) for
+  /// what is out of range.
+  PathTracer(const PathTracingSettings& settings, const Camera& camera,
+             const std::vector<Light>& lights, const std::vector<Clip>& clips);
+  /// Adds a medium; at least one before paths are traced. The sampler's mesh (of which it may hold
+  /// a part, see query::Sampler::among) must outlive this. See Medium. layer: of the frame, see
+  /// RayState::depth_layer.
+  void add(const query::Sampler& sampler, const VolumeSettings& volume, const Majorants& majorants,
+           const core::Threads& threads, core::Memory& memory, std::int32_t layer);
 
   /// Surfaces that shadow rays and scattered light meet too; they must outlive this. None: they
   /// pass.
@@ -61,32 +64,25 @@ public:
   /// different pixels; what a pixel gets depends on the other rays by the order of sums alone.
   void trace(std::span<RayState> rays, PathCounts& counts) const;
 
-  // Of a frame of several processes, which answers what paths ask.
-
-  /// Sets the values at points.
-  void find_values(std::span<const math::Vec3d> points, std::span<PlaceValue> found) const;
-  /// Whether this process owns a flat cell that was found.
-  const mesh::MeshView& mesh() const { return medium_.sampler().mesh(); }
+  /// In the order in which they were added, which Path::medium counts.
+  std::span<const Medium> media() const { return media_; }
 
 private:
   friend class PathWave;
 
   void answer(std::span<Path> paths) const;
   void answer_values(std::span<Path> paths) const;
-  PlaceValue value_at(const query::Location& location) const {
-    return {location.cell, location ? medium_.value(location) : 0.0};
-  }
-  /// Narrows [near, far] to where the ray is within the mesh's bounds; false: nowhere.
+  /// Narrows [near, far] to where the ray is within the media's bounds; false: nowhere.
   bool clip_to_bounds(const Ray& ray, double& near, double& far) const;
 
   PathTracingSettings settings_;
   std::int64_t first_sample_ = 0, stride_ = 1;
-  Medium medium_;
+  std::vector<Medium> media_;
+  std::vector<std::int32_t> layers_; ///< of these
+  mesh::Box bounds_{}; ///< of these
   PathLights lights_;
   const std::vector<Clip>& clips_;
   const SceneSurfaces* surfaces_ = nullptr;
-  math::Vec3d low_, high_;
-  query::LocateOptions options_;
 };
 
 } // namespace insitu::render

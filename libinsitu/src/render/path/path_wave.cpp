@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "render/path/phase_function.h"
 
@@ -47,7 +48,7 @@ void for_each_left(const MacrocellGrid& grid, const std::vector<Clip>& clips,
 void PathWave::begin(const PathTracer& tracer, std::span<RayState> rays) {
   tracer_ = &tracer;
   settings_ = &tracer.settings_;
-  medium_ = &tracer.medium_;
+  media_ = tracer.media_;
   rays_ = rays;
   counts_ = {};
   first_sample_ = settings_->sums ? settings_->sums->samples : 0;
@@ -58,7 +59,7 @@ void PathWave::begin(const PathTracer& tracer, std::span<RayState> rays) {
   counts_.paths += jobs_;
   depth_samples_ =
       settings_->depth ? std::min<std::int64_t>(settings_->samples, most_for_depth) : 0;
-  stops_.assign(rays_.size() * std::size_t(depth_samples_), {HUGE_VAL, -1});
+  stops_.assign(rays_.size() * std::size_t(depth_samples_), {HUGE_VAL, -1, 0});
   paths_.resize(std::size_t(std::min<std::int64_t>(jobs_, side_by_side)));
   std::size_t going = 0;
   while (going < paths_.size() && start_next(paths_[going]))
@@ -87,15 +88,21 @@ void PathWave::find_starts() {
       continue;
     if (!state.hits.empty() && state.hits.back().opacity >= 1)
       far = std::min(far, state.hits.back().t);
-    if (!(near < far))
-      continue;
-    for_each_left(medium_->grid(), tracer_->clips_, stays_, state.ray, near, far,
-                  [&](std::int64_t macrocell, double from, double) {
-                    ++counts_.macrocells;
-                    if (medium_->majorant(macrocell) > 0)
-                      starts_[i] = {from, far};
-                    return medium_->majorant(macrocell) <= 0;
-                  });
+    double first = far;
+    for (const Medium& medium : media_) {
+      double from = near, to = first;
+      if (!clip_to_box(state.ray, medium.bounds(), from, to))
+        continue;
+      for_each_left(medium.grid(), tracer_->clips_, stays_, state.ray, from, to,
+                    [&](std::int64_t macrocell, double in, double) {
+                      ++counts_.macrocells;
+                      if (medium.majorant(macrocell) > 0)
+                        first = in;
+                      return medium.majorant(macrocell) <= 0;
+                    });
+    }
+    if (first < far)
+      starts_[i] = {first, far};
     if (starts_[i].from < starts_[i].to)
       meets_.push_back(std::uint32_t(i));
   }
@@ -169,23 +176,42 @@ bool PathWave::to_next_question(Path& path, Next next) {
   return next == Next::asks;
 }
 
-/// To the next tentative collision; false: the ray ends before.
+/// To the next tentative collision, the nearest of all media; false: the ray ends before.
 bool PathWave::advance(Path& path) {
-  if (!(path.t < path.far))
-    return false;
+  const double begin = path.t;
+  double end = path.far;
+  bool found = false;
+  for (std::uint16_t m = 0; m < media_.size(); ++m) {
+    double from = begin, to = end; // for one medium that is within its bounds
+    if (!(from < to) || (media_.size() > 1 && !clip_to_box(path.ray, media_[m].bounds(), from, to)))
+      continue;
+    if (!fly(path, m, from, to))
+      continue;
+    end = path.t;
+    found = true;
+  }
+  return found;
+}
+
+/// To where a medium's flight ends, if it does between two places of the ray.
+bool PathWave::fly(Path& path, std::uint16_t medium, double from, double to) {
+  const Medium& through = media_[medium];
   double depth = -std::log1p(-path.random.unit());
   bool found = false;
-  for_each_left(medium_->grid(), tracer_->clips_, stays_, path.ray, path.t, path.far,
-                [&](std::int64_t macrocell, double from, double to) {
+  for_each_left(through.grid(), tracer_->clips_, stays_, path.ray, from, to,
+                [&](std::int64_t macrocell, double near, double far) {
                   ++counts_.macrocells;
-                  const float majorant = medium_->majorant(macrocell);
-                  const double across = double(majorant) * (to - from);
+                  const float majorant = through.majorant(macrocell);
+                  const double across = double(majorant) * (far - near);
                   if (!(depth < across)) {
                     depth -= across;
                     return true;
                   }
-                  path.t = std::min(to, from + depth / double(majorant));
+                  path.t = std::min(far, near + depth / double(majorant));
                   path.majorant = majorant;
+                  if (path.medium != medium)
+                    path.found = {}; // a cell of another mesh
+                  path.medium = medium;
                   found = true;
                   return false;
                 });
@@ -204,7 +230,7 @@ PathWave::Next PathWave::end_of_ray(Path& path) {
   } else if (path.stop) {
     path.radiance = path.stop->color;
     path.alpha = 1;
-    stop_at(path, path.stop->t, path.stop->cell);
+    stop_at(path, {path.stop->t, path.stop->cell, path.stop->layer});
   } else if (settings_->shows_dome) {
     path.radiance = dome;
     path.alpha = 1;
@@ -217,7 +243,7 @@ PathWave::Next PathWave::resolve(Path& path) {
   if (path.found.cell < 0)
     return Next::flies;
   const double value = path.found.value;
-  double share = medium_->extinction(value) / double(path.majorant);
+  double share = media_[path.medium].extinction(value) / double(path.majorant);
   if (share > 1) {
     ++counts_.violations;
     share = 1;
@@ -241,9 +267,9 @@ PathWave::Next PathWave::dim(Path& path, double share) {
 PathWave::Next PathWave::collide(Path& path, double value) {
   ++counts_.collisions;
   if (++path.bounces == 1)
-    stop_at(path, path.t, path.found.cell);
+    stop_at(path, {path.t, path.found.cell, tracer_->layers_[path.medium]});
   path.alpha = 1;
-  const Color albedo = medium_->albedo(value);
+  const Color albedo = media_[path.medium].albedo(value);
   const bool ends = settings_->scattering == Scattering::none ||
                     (settings_->scattering == Scattering::single && path.bounces > 1);
   if (settings_->scattering == Scattering::none)
@@ -299,9 +325,9 @@ PathWave::Next PathWave::scatter(Path& path) {
   return Next::flies;
 }
 
-void PathWave::stop_at(const Path& path, double t, std::int64_t cell) {
+void PathWave::stop_at(const Path& path, const Stop& stop) {
   if (path.sample < depth_samples_)
-    stops_[std::size_t(path.item * depth_samples_ + path.sample)] = {t, cell};
+    stops_[std::size_t(path.item * depth_samples_ + path.sample)] = stop;
 }
 
 /// The first stop by which half of the samples have come to theirs.
@@ -309,10 +335,11 @@ void PathWave::set_depth(std::uint32_t item) {
   const auto first = stops_.begin() + item * depth_samples_;
   const auto middle = first + (depth_samples_ - 1) / 2;
   std::nth_element(first, middle, first + depth_samples_, [](const Stop& a, const Stop& b) {
-    return a.t != b.t ? a.t < b.t : a.cell < b.cell;
+    return std::tie(a.t, a.layer, a.cell) < std::tie(b.t, b.layer, b.cell);
   });
   rays_[item].depth = middle->t;
   rays_[item].depth_cell = middle->cell;
+  rays_[item].depth_layer = middle->layer;
 }
 
 PathWave::Next PathWave::finish(const Path& path) {

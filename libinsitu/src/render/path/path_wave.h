@@ -23,6 +23,7 @@ struct Path {
   float majorant = 0;    ///< at the tentative collision that it stands at
   bool is_shadow = false;
   Asks asks = Asks::value;
+  std::uint16_t medium = 0;         ///< whose that collision is, see PathTracer::media()
   std::uint32_t item = 0;           ///< which of the rays
   int bounces = 0;                  ///< real collisions
   const SurfaceHit* stop = nullptr; ///< the surface behind the medium
@@ -76,6 +77,7 @@ private:
   struct Stop {
     double t;
     std::int64_t cell;
+    std::int32_t layer;
   };
 
   void find_starts();
@@ -94,12 +96,13 @@ private:
   static Next ask(Path& path, Path::Asks what);
 
   bool advance(Path& path);
-  void stop_at(const Path& path, double t, std::int64_t cell);
+  bool fly(Path& path, std::uint16_t medium, double from, double to);
+  void stop_at(const Path& path, const Stop& stop);
   void set_depth(std::uint32_t item);
 
   const PathTracer* tracer_ = nullptr;
   const PathTracingSettings* settings_ = nullptr;
-  const Medium* medium_ = nullptr;
+  std::span<const Medium> media_;
   std::span<RayState> rays_;
   PathCounts counts_;
   std::vector<Stop> stops_; ///< [rays][samples, most_for_depth at most], if depth is asked for

@@ -50,7 +50,9 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
   std::vector<FrameLayer> layers;
   std::vector<std::optional<SharedFrame::Known>> known;
   part.world.agree_after([&] {
-    check_layers(asked);
+    for (std::size_t l = 0; l < asked.size() && asked.size() > 1; ++l)
+      if (asked[l].settings.cell && parts[l].solvers_cell)
+        refuse("images of cells of several meshes, adaptive ones among them,");
     all.reserve(asked.size());
     for (std::size_t l = 0; l < asked.size(); ++l) {
       layers.push_back(
@@ -66,7 +68,8 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
     return FrameImages{is_root ? core::Image(settings.width, settings.height, counted)
                                : core::Image(0, 0, counted),
                        core::CountedVector<float>(counted),
-                       core::CountedVector<std::int64_t>(counted)};
+                       core::CountedVector<std::int64_t>(counted),
+                       core::CountedVector<std::int32_t>(counted)};
   };
   FrameImages images, one;
   std::optional<PixelAverage> average;
@@ -74,8 +77,9 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
   for (std::size_t l = 0; l < layers.size(); ++l)
     known[l].emplace(parts[l], layers[l], threads);
   part.world.agree_after([&] {
-    if (settings.path_tracing)
-      settings.path_tracing->majorants = known[0]->path_majorants.get();
+    for (std::size_t l = 0; l < layers.size(); ++l)
+      if (all[l].path_tracing)
+        all[l].path_tracing->majorants = known[l]->path_majorants.get();
     if (sums)
       sums->begin(settings.width, settings.height, is_root);
     average.emplace(settings);
@@ -84,6 +88,8 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
       images.depth.resize(images.color.rgba.size() / 4);
     if (settings.cell)
       images.cell.resize(images.color.rgba.size() / 4);
+    if (settings.cell && layers.size() > 1)
+      images.layer.resize(images.color.rgba.size() / 4);
     if (several)
       one = blank();
     frame.emplace(parts, layers, known, threads);

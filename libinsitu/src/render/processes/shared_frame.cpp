@@ -78,13 +78,17 @@ SharedFrame::SharedFrame(std::span<const FramePart> parts, std::span<const Frame
       mail_(part_.world, part_.most_bytes) {
   for (std::size_t l = 0; l < layers.size(); ++l) {
     layers_.emplace_back(parts[l], layers[l]);
-    volumes_ += layers[l].settings.volume && !traces(layers[l].settings);
+    if (!layers[l].settings.volume || traces(layers[l].settings))
+      continue;
+    ++volumes_;
+    volume_layer_ = std::int32_t(l);
   }
   begin_surfaces(layers);
   begin_light(known);
   begin_volumes(layers, known);
-  if (traces(settings_))
-    begin_paths(layers[0], *known[0]);
+  if (std::any_of(layers.begin(), layers.end(),
+                  [](const FrameLayer& layer) { return traces(layer.settings); }))
+    begin_paths(layers, known);
   const bool by_paths = tracer_ || volumes_ > 1; // so many rays together as one process takes
   groups_ = tile_groups(settings_.width, settings_.height, part_.world.size(), tiles_a_group(),
                         by_paths ? PathTracer::tile_side : FrameTile::marched_side);
@@ -97,11 +101,13 @@ void SharedFrame::begin_surfaces(std::span<const FrameLayer> layers) {
                   [](const FrameLayer& layer) { return has_surfaces(layer.settings); });
   for (std::size_t l = 0; l < layers.size(); ++l) {
     Layer& layer = layers_[l];
+    surfaces_.push_back(nullptr);
     if (!has_surfaces(layer.settings) && !(layer.settings.volume && shadows_others))
       continue;
     layer.surfaces.emplace(layer.sampler, layer.settings, layers[l].structures,
                            Surfaces::Parts::shared);
     layer.surfaces->join(std::int32_t(l), {}); // what rays of light meet is asked for
+    surfaces_.back() = &*layer.surfaces;
     if (first_surfaces_)
       continue;
     first_surfaces_ = &*layer.surfaces;
@@ -169,21 +175,31 @@ std::int64_t SharedFrame::tiles_a_group() const {
   return std::min(at_most, processes * std::max<std::int64_t>(1, owned));
 }
 
-void SharedFrame::begin_paths(const FrameLayer& of, const Known& known) {
-  Layer& layer = layers_[0];
+void SharedFrame::begin_paths(std::span<const FrameLayer> layers,
+                              std::span<const std::optional<Known>> known) {
   PathTracingSettings tracing = *settings_.path_tracing;
   const PathSums* const sums = tracing.sums;
   tracing.sums = nullptr; // the root adds up
-  tracer_.emplace(layer.sampler, *settings_.volume, tracing, settings_.camera,
-                  settings_.lighting.lights, settings_.clips, of.structures, threads_);
+  tracer_.emplace(tracing, settings_.camera, settings_.lighting.lights, settings_.clips);
   tracer_->set_samples(tracing.samples, sums ? sums->samples : 0, 1,
                        settings_.depth || settings_.cell);
-  const bool meets = layer.surfaces && settings_.lighting.volume_shadows;
+  for (std::size_t l = 0; l < layers.size(); ++l)
+    if (traces(layers[l].settings))
+      tracer_->add(layers[l].sampler, *layers[l].settings.volume, *known[l]->path_majorants,
+                   threads_, layers[l].structures.memory(), std::int32_t(l));
+  const bool meets = first_surfaces_ && settings_.lighting.volume_shadows;
   if (meets)
-    tracer_->set_surfaces(&*layer.surfaces);
-  paths_.emplace(part_, settings_, *tracer_, meets ? &*layer.surfaces : nullptr,
-                 meets ? &*light_ : nullptr, meets && layer.normals ? &*layer.normals : nullptr,
-                 *known.where, mail_, threads_);
+    tracer_->set_surfaces(first_surfaces_);
+  std::vector<SharedPaths::Layer> met;
+  const Medium* medium = tracer_->media().data();
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const Layer& layer = layers_[l];
+    met.push_back({&layer.part, known[l]->where ? &*known[l]->where : nullptr,
+                   traces(layer.settings) ? medium++ : nullptr, meets ? surfaces_[l] : nullptr,
+                   meets && layer.normals ? &*layer.normals : nullptr});
+  }
+  paths_.emplace(std::move(met), first_surfaced_, settings_, *tracer_, meets ? &*light_ : nullptr,
+                 mail_, threads_);
 }
 
 void SharedFrame::set_sample(const PixelAverage::Sample& sample) {
@@ -238,6 +254,7 @@ void SharedFrame::begin(const FrameTile& tile, std::vector<RayState>& rays) cons
     state.begin(rays_(x, y));
     state.pixel = std::uint64_t(y) * std::uint64_t(settings_.width) + std::uint64_t(x);
     state.sample = sample_;
+    state.volume_layer = volume_layer_;
     if (!settings_.clips.empty())
       clip_ray(settings_.clips, state.ray, 0, HUGE_VAL, state.stays);
   });

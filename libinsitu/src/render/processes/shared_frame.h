@@ -74,7 +74,7 @@ private:
   void begin_light(std::span<const std::optional<Known>> known);
   void begin_volumes(std::span<const FrameLayer> layers,
                      std::span<const std::optional<Known>> known);
-  void begin_paths(const FrameLayer& layer, const Known& known);
+  void begin_paths(std::span<const FrameLayer> layers, std::span<const std::optional<Known>> known);
   std::int64_t tiles_a_group() const;
   void begin(const FrameTile& tile, std::vector<RayState>& rays) const;
   void begin_group();
@@ -95,7 +95,6 @@ private:
   TileParcel take_own_hits(std::size_t layer, NearTile& near);
   void read_own_hits(const TileParcel& parcel);
   void order(OwnTile& tile);
-  void put_together(std::span<RayState> rays) const;
   void light_hits();
   bool hits_send_rays() const { return first_surfaces_ && first_surfaces_->light_shader(); }
   void finish(FrameImages& images);
@@ -122,7 +121,9 @@ private:
   std::deque<Layer> layers_;
   std::size_t first_surfaced_ = 0; ///< the first layer with surfaces
   const Surfaces* first_surfaces_ = nullptr;
+  std::vector<const Surfaces*> surfaces_; ///< by layer; null: the layer has none
   std::size_t volumes_ = 0;          ///< that are marched
+  std::int32_t volume_layer_ = 0;    ///< the last one's
   std::optional<SharedLight> light_; ///< if hits or samples may send rays, or paths meet surfaces
   std::optional<PathTracer> tracer_;
   std::optional<SharedPaths> paths_;

@@ -83,10 +83,7 @@ void SharedFrame::order(OwnTile& tile) {
   const std::span<RayState> rays = rays_of(tile);
   if (!first_surfaces_)
     return;
-  if (layers_.size() == 1)
-    first_surfaces_->put_in_order(rays);
-  else
-    put_together(rays);
+  order_together(surfaces_, rays);
   if (!hits_send_rays()) {
     for (const Layer& layer : layers_)
       if (layer.surfaces)
@@ -101,26 +98,6 @@ void SharedFrame::order(OwnTile& tile) {
   const std::lock_guard lock(mutex_);
   hits_ += hits;
   surface_counts_ += counts;
-}
-
-/// Puts the hits of several meshes in one order.
-void SharedFrame::put_together(std::span<RayState> rays) const {
-  thread_local std::vector<std::vector<SurfaceHit>> unordered; // for the thread's life
-  if (unordered.size() < rays.size())
-    unordered.resize(rays.size());
-  for (std::size_t r = 0; r < rays.size(); ++r) {
-    unordered[r].clear();
-    unordered[r].swap(rays[r].hits);
-  }
-  put_hits_together(layers_.size(), rays, [&](std::size_t l) {
-    if (!layers_[l].surfaces)
-      return;
-    for (std::size_t r = 0; r < rays.size(); ++r)
-      for (const SurfaceHit& hit : unordered[r])
-        if (hit.layer == std::int32_t(l))
-          rays[r].hits.push_back(hit);
-    layers_[l].surfaces->put_in_order(rays);
-  });
 }
 
 /// Lights the hits of own tiles by rays that all processes follow.

@@ -33,11 +33,19 @@ std::unique_ptr<Majorants> whole_path_majorants(const FramePart& part,
 /// the same time.
 class SharedPaths {
 public:
-  /// All must outlive it. surfaces, light: null, both or neither, if paths do not meet surfaces.
-  /// normals: null: these have none that are central differences.
-  SharedPaths(const FramePart& part, const FrameSettings& settings, const PathTracer& tracer,
-              const Surfaces* surfaces, SharedLight* light, const SharedNormals* normals,
-              const CellBoxes& where, TileMail& mail, const core::Threads& threads);
+  /// What paths meet of one of the frame's meshes.
+  struct Layer {
+    const FramePart* part;
+    const CellBoxes* where;
+    const Medium* medium;         ///< null: none
+    const Surfaces* surfaces;     ///< null: none
+    const SharedNormals* normals; ///< null: the surfaces have none that are central differences
+  };
+  /// All must outlive it. layers: those with a medium in the order of the tracer's media. light:
+  /// null if no layer has surfaces; those of the layer `first` count first.
+  SharedPaths(std::vector<Layer> layers, std::size_t first, const FrameSettings& settings,
+              const PathTracer& tracer, SharedLight* light, TileMail& mail,
+              const core::Threads& threads);
 
   /// A tile that this process owns.
   struct Tile {
@@ -70,27 +78,40 @@ private:
     std::vector<PathWave> waves; ///< of its parts
     std::size_t parts = 0;       ///< of them are in use
     std::vector<Path*> values, lights, walls;
-    std::vector<Asked> asked;        ///< by process
+    std::vector<Asked> asked;        ///< by layer and process
     std::vector<RayState> wall_rays; ///< of walls, and maybe some more
   };
 
   std::int64_t collect(Batch& batch) const;
   void ask(Batch& batch, std::vector<TileParcel>& parcels) const;
   using WallRays = std::vector<RayState>;
+  void ask(Batch& batch, std::size_t layer, int process, std::vector<TileParcel>& parcels) const;
   WallRays find_walls(const TileParcel& asked) const;
   std::vector<std::byte> answer(const TileParcel& asked, const WallRays& walls) const;
-  void answer_values(ByteReader& from, std::size_t count, ByteWriter& to) const;
+  static void answer_values(const Layer& layer, ByteReader& from, std::size_t count,
+                            ByteWriter& to);
+  void begin_answers(Batch& batch) const;
   void take(Batch& batch, std::span<const TileParcel> answers) const;
   void take_walls(Batch& batch) const;
   void light_walls();
+  void light_walls(std::size_t layer);
+  /// Parcels are about a tile and a layer.
+  std::uint32_t slot_of(std::uint32_t tile, std::size_t layer) const {
+    return tile * std::uint32_t(layers_.size()) + std::uint32_t(layer);
+  }
+  std::size_t layer_of(std::uint32_t slot) const { return slot % layers_.size(); }
+  Asked& asked_of(Batch& batch, std::size_t layer, int process) const {
+    return batch.asked[layer * std::size_t(world_.size()) + std::size_t(process)];
+  }
 
-  const FramePart& part_;
+  const std::vector<Layer> layers_;
+  const std::size_t first_;
+  std::vector<const Medium*> media_;      ///< those of the layers
+  std::vector<const Surfaces*> surfaces_; ///< by layer
+  parallel::World& world_;
   const FrameSettings& settings_;
   const PathTracer& tracer_;
-  const Surfaces* surfaces_;
   SharedLight* light_;
-  const SharedNormals* normals_;
-  const CellBoxes& where_;
   TileMail& mail_;
   const core::Threads& threads_;
   std::vector<Batch> batches_; ///< of tiles; vectors keep their memory

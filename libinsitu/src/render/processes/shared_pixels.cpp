@@ -25,6 +25,9 @@ void SharedFrame::finish(FrameImages& images) {
         if (settings_.cell)
           if (const auto cell = reader.value<std::int64_t>(); !images.cell.empty())
             images.cell[at] = cell;
+        if (settings_.cell && layers_.size() > 1)
+          if (const auto layer = reader.value<std::int32_t>(); !images.layer.empty())
+            images.layer[at] = layer;
       });
     }
   });
@@ -32,7 +35,7 @@ void SharedFrame::finish(FrameImages& images) {
 
 /// Gathers what is left of the rays; again, nothing, unless there are several volumes.
 void SharedFrame::complete(std::size_t own) {
-  thread_local std::vector<std::span<const VolumeStretch>> stretches; // for the thread's life
+  thread_local std::vector<LayerStretches> stretches; // for the thread's life
   const std::span<RayState> rays = rays_of(own_[own]);
   for (Layer& layer : layers_)
     if (layer.volume) {
@@ -41,9 +44,9 @@ void SharedFrame::complete(std::size_t own) {
     }
   for (std::size_t r = 0; r < rays.size() && volumes_ > 1; ++r) {
     stretches.clear();
-    for (const Layer& layer : layers_)
-      if (layer.volume)
-        stretches.push_back(layer.alone[own].rays[r].stretches);
+    for (std::size_t l = 0; l < layers_.size(); ++l)
+      if (layers_[l].volume)
+        stretches.push_back({layers_[l].alone[own].rays[r].stretches, std::int32_t(l)});
     blend_together(rays[r], stretches);
   }
   for (RayState& state : rays)
@@ -65,6 +68,8 @@ TileParcel SharedFrame::finish(std::size_t own) {
       writer.value(float(state.depth));
     if (settings_.cell)
       writer.value(state.depth_cell);
+    if (settings_.cell && layers_.size() > 1)
+      writer.value(state.depth_layer);
     for (const Layer& layer : layers_)
       if (layer.volume) {
         const RayState& gathered = layer.tiles.own[own].rays[r];

@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "render/path/path_tracer.h"
+#include "render/surface/surfaces_together.h"
 #include "render/surface/tiles/isosurface_rays.h"
 #include "render/volume/ray_step.h"
 
@@ -279,18 +280,24 @@ double Surfaces::open(const Ray& ray, double t_max) const {
 
 void Surfaces::meet(const Ray& ray, core::FunctionRef<bool(float)> ends, std::uint64_t seed,
                     double& t, Color& color_seen) const {
-  thread_local std::vector<Stretch> stays; // kept for the thread's life
-  thread_local std::vector<SurfaceHit> hits;
+  thread_local RayState state; // kept for the thread's life
   SurfaceCounts none;
   t = HUGE_VAL;
-  clip_ray(settings_.clips, ray, 0, HUGE_VAL, stays);
-  find(ray, &stays, hits, none);
-  for (SurfaceHit& hit : hits)
+  state.begin(ray);
+  clip_ray(settings_.clips, ray, 0, HUGE_VAL, state.stays);
+  const auto of = [&](std::size_t layer) -> const Surfaces& {
+    return layer == 0 ? *this : *others_[layer - 1];
+  };
+  const std::span<RayState> rays(&state, 1);
+  put_hits_together(1 + others_.size(), rays,
+                    [&](std::size_t layer) { of(layer).find(rays, nullptr, none); });
+  for (SurfaceHit& hit : state.hits)
     if (hit.opacity >= 1 || ends(hit.opacity)) {
-      hit.color = color(hit);
-      if (shader_) {
+      const Surfaces& met = of(std::size_t(hit.layer));
+      hit.color = met.color(hit);
+      if (met.shader_) {
         const Seen seen{&ray, seed, &hit};
-        light(std::span(&seen, 1), none);
+        met.light(std::span(&seen, 1), none);
       }
       t = hit.t;
       color_seen = hit.color;

@@ -53,14 +53,39 @@ void put_hits_together(std::size_t layers, std::span<RayState> rays,
     rays[r].hits.swap(all[r]);
 }
 
+void order_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays) {
+  if (surfaces.size() == 1)
+    return surfaces[0]->put_in_order(rays);
+  thread_local std::vector<std::vector<SurfaceHit>> unordered; // for the thread's life
+  if (unordered.size() < rays.size())
+    unordered.resize(rays.size());
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    unordered[r].clear();
+    unordered[r].swap(rays[r].hits);
+  }
+  put_hits_together(surfaces.size(), rays, [&](std::size_t l) {
+    if (!surfaces[l])
+      return;
+    for (std::size_t r = 0; r < rays.size(); ++r)
+      for (const SurfaceHit& hit : unordered[r])
+        if (hit.layer == std::int32_t(l))
+          rays[r].hits.push_back(hit);
+    surfaces[l]->put_in_order(rays);
+  });
+}
+
 void trace_together(std::span<const Surfaces* const> surfaces, std::span<RayState> rays,
                     std::span<IsosurfaceTile* const> tiles, SurfaceCounts& counts) {
-  put_hits_together(surfaces.size(), rays,
-                    [&](std::size_t layer) { surfaces[layer]->find(rays, tiles[layer], counts); });
+  put_hits_together(surfaces.size(), rays, [&](std::size_t layer) {
+    if (surfaces[layer])
+      surfaces[layer]->find(rays, tiles[layer], counts);
+  });
   for (const Surfaces* const of : surfaces)
-    of->light(rays, counts);
+    if (of)
+      of->light(rays, counts);
   for (const Surfaces* const of : surfaces)
-    of->add_lines(rays);
+    if (of)
+      of->add_lines(rays);
 }
 
 } // namespace insitu::render

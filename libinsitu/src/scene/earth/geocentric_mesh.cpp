@@ -22,8 +22,8 @@ std::string text(double number) {
 } // namespace
 
 GeocentricMesh::GeocentricMesh(const std::string& name, double exaggeration, core::Memory& memory)
-    : exaggeration_(exaggeration), points_(memory, INSITU_MEMORY_GEOCENTRIC), drawn_(name, memory) {
-}
+    : exaggeration_(exaggeration), points_(memory, INSITU_MEMORY_GEOCENTRIC),
+      shared_(name, memory) {}
 
 void GeocentricMesh::check(const commit::CommittedMesh& own) {
   const std::string name = "mesh '" + own.mesh().name() + "'";
@@ -39,27 +39,10 @@ commit::CommittedMesh& GeocentricMesh::update(const commit::CommittedMesh& own,
                                               core::Context& context) {
   own.require_committed();
   check(own);
-  const bool topology = topology_ != own.topology_version();
-  const bool geometry = topology || geometry_ != own.geometry_version();
-  if (!geometry && fields_ == own.fields_version())
-    return drawn_;
-  topology_ = geometry_ = fields_ = 0; // until it is done
-  if (geometry)
+  return shared_.update(own, context, [&] {
     convert(own, context);
-  drawn_.mesh().share(own.mesh(), points_.data());
-  drawn_.mesh().clear_pending();
-  drawn_.mesh().set_changed(topology   ? INSITU_CHANGED_ALL
-                            : geometry ? INSITU_CHANGED_GEOMETRY | INSITU_CHANGED_FIELDS
-                                       : INSITU_CHANGED_FIELDS);
-  // What is wrong with the cells was said of own; in coordinates whose third counts downwards they
-  // may also be the other way around than here.
-  const core::Log silent(
-      INSITU_LOG_ERROR, [](insitu_log_level, const char*, void*) {}, nullptr);
-  drawn_.commit(context.threads, silent, context.memory, false);
-  topology_ = own.topology_version();
-  geometry_ = own.geometry_version();
-  fields_ = own.fields_version();
-  return drawn_;
+    return points_.data();
+  });
 }
 
 void GeocentricMesh::convert(const commit::CommittedMesh& own, core::Context& context) {

@@ -4,13 +4,13 @@
 
 #include "commit/committed_mesh.h"
 #include "core/context.h"
+#include "scene/earth/shared_mesh.h"
 
 namespace insitu::scene {
 
 /// A mesh on Earth as frames from space draw it: its vertices in geocentric metres, their heights
 /// above the WGS84 ellipsoid times a factor (see geo::Frame). The vertices are the one copy,
-/// counted as INSITU_MEMORY_GEOCENTRIC; cells, ghosts and fields are the solver's arrays, read in
-/// place. It has a tree of its own.
+/// counted as INSITU_MEMORY_GEOCENTRIC; the rest is shared with the solver's mesh.
 ///
 /// Cells are straight here between their geocentric vertices, whatever they are in the solver's
 /// coordinates: an edge of length L lies up to L^2 / (8 R) below the surface that its ends are on,
@@ -35,8 +35,7 @@ private:
 
   double exaggeration_;
   core::Buffer<math::Vec3d> points_;
-  commit::CommittedMesh drawn_;
-  std::uint64_t geometry_ = 0, topology_ = 0, fields_ = 0; ///< versions of own
+  SharedMesh shared_;
   std::int64_t conversions_ = 0;
 };
 

@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/status.h"
-
 namespace insitu::scene {
 
 namespace {
@@ -74,20 +72,27 @@ render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
   return found;
 }
 
-void end_at_chart(const commit::CommittedMesh& mesh, bool of_several,
-                  render::FrameSettings& settings) {
-  if (of_several)
-    throw core::Error(INSITU_ERROR_UNSUPPORTED,
-                      "mesh '" + mesh.mesh().name() +
-                          "': several meshes in one frame in longitude and latitude, with cells "
-                          "over the seam or at a pole, are not there yet; geocentric frames have "
-                          "them");
+std::optional<double> first_west(std::span<const commit::CommittedMesh* const> meshes) {
+  std::optional<double> west;
+  for (const commit::CommittedMesh* const mesh : meshes)
+    if (const commit::ChartFacts* const facts =
+            mesh->stand_in() ? mesh->stand_in()->whole_chart() : nullptr)
+      west = std::min(west.value_or(facts->west), facts->west);
+  return west;
+}
+
+bool begins_further_east(std::span<const commit::CommittedMesh* const> meshes, std::size_t mesh) {
+  const std::optional<double> all = first_west(meshes), own = first_west(meshes.subspan(mesh, 1));
+  return own && *own > *all &&
+         std::ranges::any_of(meshes, [](const auto* of) { return has_chart_copies(*of); });
+}
+
+void end_at_chart(const mesh::Box& all, render::FrameSettings& settings) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const mesh::Box ends = mesh.sampler().facts().bounds;
-  const double slack = 1e-6 * (ends.high.x - ends.low.x);
+  const double slack = 1e-6 * (all.high.x - all.low.x);
   settings.clips.push_back({render::Clip::Kind::box,
-                            {ends.low.x - slack, -infinity, -infinity},
-                            {ends.high.x + slack, infinity, infinity}});
+                            {all.low.x - slack, -infinity, -infinity},
+                            {all.high.x + slack, infinity, infinity}});
 }
 
 void refresh_vertex_values(const commit::CommittedMesh& mesh, parallel::World& world,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "commit/committed_mesh.h"
@@ -17,12 +18,18 @@ bool has_chart_copies(const commit::CommittedMesh& mesh);
 render::ChartCopies find_chart_copies(const commit::CommittedMesh& mesh,
                                       const core::Threads& threads);
 
-/// Ends what a frame draws at the chart's ends: copies reach over them, where their places are
-/// shown already, and others lie beyond on charts turned to a pole. Faces that lie in the ends are
-/// seen. Throws core::Error (INSITU_ERROR_UNSUPPORTED) where the frame has several meshes, each of
-/// which would end elsewhere.
-void end_at_chart(const commit::CommittedMesh& mesh, bool of_several,
-                  render::FrameSettings& settings);
+/// Where the chart begins that meshes in longitude and latitude are drawn on together, of the whole
+/// meshes: as far west as that of any; an empty optional: none of them has a chart.
+std::optional<double> first_west(std::span<const commit::CommittedMesh* const> meshes);
+
+/// Whether one of several meshes of a frame, those of one process, is drawn in copies that begin
+/// there.
+bool begins_further_east(std::span<const commit::CommittedMesh* const> meshes, std::size_t mesh);
+
+/// Ends what a frame draws at the chart's ends, which are those of the box around all meshes:
+/// copies reach over them, where their places are shown already, and others lie beyond on charts
+/// turned to a pole. Faces that lie in the ends are seen.
+void end_at_chart(const mesh::Box& all, render::FrameSettings& settings);
 
 /// Gives numbers at this process's vertices to the other processes that have copies of its cells,
 /// as Halo::refresh_values() does. values: [flat vertex of mesh().view()], alike at all copies of a

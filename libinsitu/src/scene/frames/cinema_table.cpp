@@ -111,12 +111,14 @@ CameraAngles angles_of(const render::Camera& camera) {
 
 CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& folder)
     : path_(folder + "/data.csv"), columns_{"cycle", "time", "name"} {
-  bool cameras = false, images = false, formats = false, depth = false;
+  bool cameras = false, images = false, meshes = false, formats = false, depth = false;
   std::vector<std::string> ranges;
   for (const Frame& frame : frames) {
     frames_.push_back(frame.name);
     cameras |= !frame.cameras.empty();
     images |= frame.images != std::vector{ImageKind::color};
+    for (const ImageKind kind : frame.images)
+      meshes |= image_meshes(frame, kind) != std::vector<std::string>{""};
     formats |= frame.formats != std::vector{ImageFormat::png};
     depth |= std::count(frame.images.begin(), frame.images.end(), ImageKind::depth) > 0;
     for (const FrameLayer& layer : frame.layers)
@@ -127,6 +129,8 @@ CinemaTable::CinemaTable(const std::vector<Frame>& frames, const std::string& fo
     columns_.emplace_back("camera");
   if (images)
     columns_.emplace_back("image");
+  if (meshes)
+    columns_.emplace_back("mesh");
   if (formats)
     columns_.emplace_back("format");
   columns_.insert(columns_.end(), {"phi", "theta", "camera_x", "camera_y", "camera_z"});
@@ -162,6 +166,7 @@ std::vector<std::string> CinemaTable::cells_of(const CinemaRow& row) const {
       {"name", row.name},
       {"camera", row.camera},
       {"image", name_of(row.image)},
+      {"mesh", row.mesh},
       {"format", row.format == ImageFormat::exr ? "exr" : "png"},
       {"phi", real(angles.azimuth)},
       {"theta", real(angles.elevation)},

@@ -23,6 +23,7 @@ struct CinemaRow {
   double time = 0;
   std::string name, camera; ///< of the frame, and of its camera where it has several
   ImageKind image = ImageKind::color;
+  std::string mesh; ///< of an image of its cells, where the frame has several
   ImageFormat format = ImageFormat::png;
   render::Camera view;
   std::vector<std::pair<std::string, ValueRange>> ranges; ///< of the colours, by range_label()

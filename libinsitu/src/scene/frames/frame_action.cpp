@@ -1,5 +1,6 @@
 #include "scene/frames/frame_action.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 
@@ -87,6 +88,9 @@ public:
       if (frame_.geocentric)
         at_geocentric([&] { GeocentricMesh::check(*shown[i]); });
       plan_frame(frame_, i, settings_, decisions, *shown[i], environment_.context.threads, plan);
+      if (!frame_.geocentric && begins_further_east(shown, i))
+        plan.need("tree of cells on the chart of all meshes", shown[i]->tree().bytes(),
+                  "about, as the mesh's own, whose chart begins further east");
     }
   }
 
@@ -108,6 +112,8 @@ private:
         warnings_.nothing_drawn(mesh, i, step, true);
       }
     }
+    if (!frame_.geocentric)
+      put_on_one_chart(meshes, environment_);
     return meshes;
   }
 
@@ -171,6 +177,8 @@ private:
         meshes.push_back({i, own, frame_.geocentric ? &geocentric(*own) : own});
       });
     }
+    if (!frame_.geocentric)
+      put_on_one_chart(meshes, environment_);
     return meshes;
   }
 
@@ -206,12 +214,15 @@ private:
   void make_settings(Drawing& drawing) const {
     const bool several = frame_.layers.size() > 1, alone = drawing.parts.empty();
     const mesh::Box all = scenery_of(drawing.meshes).box;
+    const bool has_copies = std::ranges::any_of(drawing.meshes, [&](const DrawnMesh& drawn) {
+      return alone ? has_chart_copies(*drawn.mesh) : drawn.known.in_place.copies;
+    });
     for (DrawnMesh& drawn : drawing.meshes) {
       drawn.settings = settings_.make(
           drawing.decisions, {drawn.layer, *drawn.structures, alone ? nullptr : &drawn.known.ranges,
                               several ? &all : nullptr, &drawn == &drawing.first()});
-      if (alone ? has_chart_copies(*drawn.mesh) : drawn.known.in_place.copies)
-        end_at_chart(*drawn.mesh, several, drawn.settings);
+      if (has_copies)
+        end_at_chart(all, drawn.settings);
     }
   }
 
@@ -267,7 +278,7 @@ private:
       layers.emplace(drawing);
     });
     if (!accumulations_.empty())
-      accumulations_[number].use(*first.mesh, drawing.first().settings, environment_.world);
+      accumulations_[number].use(drawing.meshes, drawing.first().settings, environment_.world);
     render::FrameStatistics done;
     render::FrameImages images = draw_meshes(drawing, *layers, environment_.context.threads, done);
     if (drawing.decisions.globe)
@@ -303,17 +314,7 @@ private:
     const core::Timer timer;
     warnings_.image(done, drawing);
     draw_overlays(frame_, drawing, ticks, images.color);
-    const DrawnMesh& first = drawing.first();
-    if (drawing.decisions.own_cells && drawing.parts.empty())
-      count_as_the_solver(first, environment_.context.threads, images);
-    if (const std::optional<FrameKeys>& keys = first.known.keys)
-      for (std::int64_t& cell : images.cell)
-        cell = cell >= 0 ? keys->solvers(cell) : cell;
-    if (const mesh::Mesh& own = first.own->mesh();
-        drawing.parts.empty() && own.has_global_ids(INSITU_CELL))
-      for (std::int64_t& cell : images.cell)
-        if (cell >= 0)
-          cell = own.global_id(INSITU_CELL, cell);
+    tell_cells(frame_, drawing, environment_.context.threads, images);
     environment_.statistics.render_s += timer.seconds();
     drawn_image_.emplace(DrawnImage{std::move(images), row_of(drawing, cameras_[number].name)});
   }

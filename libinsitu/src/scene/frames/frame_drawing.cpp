@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "output/annotate/overlay.h"
+#include "scene/frames/chart_copies.h"
 #include "scene/frames/cinema_table.h"
 
 namespace insitu::scene {
@@ -28,6 +29,28 @@ void draw_bar(const Frame& frame, const Drawing& drawing, output::Overlay overla
 }
 
 } // namespace
+
+void put_on_one_chart(std::vector<DrawnMesh>& meshes, const Environment& environment) {
+  if (meshes.size() < 2)
+    return;
+  parallel::World& world = environment.world;
+  std::vector<const commit::CommittedMesh*> own;
+  std::int64_t has_copies = 0;
+  world.agree_after([&] {
+    for (const DrawnMesh& drawn : meshes) {
+      own.push_back(drawn.own);
+      has_copies |= has_chart_copies(*drawn.own);
+    }
+  });
+  world.reduce(std::span(&has_copies, 1), parallel::Reduction::greatest);
+  const std::optional<double> west = first_west(own);
+  for (std::size_t i = 0; i < meshes.size() && has_copies && west; ++i) {
+    if (!(first_west({&own[i], 1}).value_or(*west) > *west))
+      continue;
+    world.agree_after([&] { meshes[i].mesh = &environment.structures.on_chart(*own[i], *west); });
+    meshes[i].mesh->update_chart(world, environment.context.threads, environment.context.log);
+  }
+}
 
 FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes) {
   FrameSettingsMaker::Scenery all{meshes.front().mesh->sampler().facts().bounds, true};
@@ -91,21 +114,38 @@ void draw_overlays(const Frame& frame, const Drawing& drawing, const output::Box
                             overlay);
 }
 
-void count_as_the_solver(const DrawnMesh& drawn, const core::Threads& threads,
-                         render::FrameImages& images) {
-  const render::FrameSettings& settings = drawn.settings;
+void tell_cells(const Frame& frame, const Drawing& drawing, const core::Threads& threads,
+                render::FrameImages& images) {
+  const render::FrameSettings& settings = drawing.first().settings;
   const render::RayGenerator rays(settings.camera, settings.width, settings.height);
-  threads.parallel_for(settings.height, 16, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y)
-      for (int x = 0; x < settings.width; ++x) {
-        const auto at = std::size_t(y * settings.width + x);
-        if (images.cell[at] < 0)
-          continue;
-        const render::Ray ray = rays(x, int(y));
-        const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
-        images.cell[at] = drawn.mesh->own({images.cell[at], {}}, p).cell;
-      }
-  });
+  if (!images.cell.empty() && frame.layers.size() > 1)
+    images.layer.resize(images.cell.size()); // of a mesh that is drawn alone there is none yet
+  const bool alone = drawing.parts.empty();
+  const auto solvers = [&](const DrawnMesh& drawn, std::size_t at) {
+    std::int64_t cell = images.cell[at];
+    if (!alone)
+      return drawn.known.keys->solvers(cell);
+    if (drawing.decisions.own_cells) {
+      const auto width = std::size_t(settings.width);
+      const render::Ray ray = rays(int(at % width), int(at / width));
+      const math::Vec3d p = ray.origin + double(images.depth[at]) * ray.direction;
+      cell = drawn.mesh->own({cell, {}}, p).cell;
+    }
+    const mesh::Mesh& own = drawn.own->mesh();
+    return cell >= 0 && own.has_global_ids(INSITU_CELL) ? own.global_id(INSITU_CELL, cell) : cell;
+  };
+  constexpr std::int64_t grain = 4096;
+  threads.parallel_for(
+      std::int64_t(images.cell.size()), grain, [&](std::int64_t begin, std::int64_t end) {
+        for (auto at = std::size_t(begin); at < std::size_t(end); ++at) {
+          const std::size_t layer = images.layer.empty() ? 0 : std::size_t(images.layer[at]);
+          const DrawnMesh& drawn = drawing.meshes[layer];
+          if (images.cell[at] >= 0)
+            images.cell[at] = solvers(drawn, at);
+          if (!images.layer.empty())
+            images.layer[at] = std::int32_t(drawn.layer);
+        }
+      });
 }
 
 std::vector<std::pair<std::string, ValueRange>> ranges_of(const Frame& frame,

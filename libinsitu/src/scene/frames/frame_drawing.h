@@ -32,6 +32,11 @@ struct Drawing {
   const DrawnMesh& first() const { return meshes.front(); }
 };
 
+/// Where cells of one of several meshes in longitude and latitude are drawn over the seam, all
+/// begin at one longitude: meshes whose chart begins further east are drawn in copies of theirs
+/// that do. Collective; throws parallel::AgreedError.
+void put_on_one_chart(std::vector<DrawnMesh>& meshes, const Environment& environment);
+
 /// What cameras look at: around all meshes, flat if all of them are.
 FrameSettingsMaker::Scenery scenery_of(const std::vector<DrawnMesh>& meshes);
 
@@ -56,9 +61,10 @@ render::FrameImages draw_meshes(const Drawing& drawing, const DrawnLayers& layer
 void draw_overlays(const Frame& frame, const Drawing& drawing, const output::BoxTicks& ticks,
                    core::Image& image);
 
-/// Makes cells that stand in for the solver's those of the solver that are seen.
-void count_as_the_solver(const DrawnMesh& drawn, const core::Threads& threads,
-                         render::FrameImages& images);
+/// Makes the cells that are seen the solver's, by global ids where it gives some, and their layers
+/// those of the frame.
+void tell_cells(const Frame& frame, const Drawing& drawing, const core::Threads& threads,
+                render::FrameImages& images);
 
 /// The ranges of the frame's colours, for the table.
 std::vector<std::pair<std::string, ValueRange>> ranges_of(const Frame& frame,

@@ -53,8 +53,9 @@ public:
       skip({"ray marching", "macrocell grid", "majorants", "volume shading", "pre-integration",
             "step levels"},
            "no volume is asked for");
-    if (!frame_.path_tracing)
-      plan_.skip("path tracing", "no scattering is asked for");
+    if (!frame_.path_tracing || !layer_.volume)
+      plan_.skip("path tracing", frame_.path_tracing ? "no volume of the mesh is asked for"
+                                                     : "no scattering is asked for");
     for (std::size_t i = 0; i < layer_.isosurfaces.size(); ++i)
       isosurface(layer_.isosurfaces[i], decided_.isosurfaces[i]);
     if (layer_.isosurfaces.empty())
@@ -210,9 +211,13 @@ private:
       plan_.need_at_most(majorants, count * render::Majorants::bytes_each, if_it_pays);
   }
 
+  static bool has_volume(const FrameLayer& layer) { return layer.volume.has_value(); }
+
   void path_tracing(const std::string& what, const PathTracing& p) {
     plan_.skip("ray marching", "the volume is path traced");
     plan_.need("path tracing of " + what, -1, std::to_string(p.samples) + " paths a pixel");
+    if (&layer_ != &*std::ranges::find_if(frame_.layers, &has_volume))
+      return; // the sums are the frame's
     const auto views = std::int64_t(cameras_of(frame_).size());
     if (p.accumulate)
       plan_.need("sums of samples of frame '" + frame_.name + "'",

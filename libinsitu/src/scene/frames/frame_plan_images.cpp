@@ -61,6 +61,11 @@ void plan_images(const Frame& frame, const FrameDecisions& decisions, Plan& plan
             Held::while_executed);
   plan.tell("image of cells", decisions.cell, pixels * std::int64_t(sizeof(std::int64_t)),
             Held::while_executed);
+  if (decisions.cell && frame.layers.size() > 1)
+    plan.need("image of the meshes of cells",
+              pixels * std::int64_t(sizeof(std::int32_t) + sizeof(std::int64_t)),
+              "whose cells are seen, while it is drawn; and the cells of one, while written",
+              Held::while_executed);
   plan.need_at_most("files of images", most_file_bytes(frame, pixels),
                     "one at a time, while written", Held::while_executed);
   overlays(frame, decisions, plan);

@@ -35,10 +35,25 @@ commit::CommittedMesh& FrameStructures::geocentric(const commit::CommittedMesh& 
   return drawn;
 }
 
+commit::CommittedMesh& FrameStructures::on_chart(const commit::CommittedMesh& mesh, double west) {
+  OnChart& entry = on_chart_[{mesh.id(), west}];
+  if (!entry.mesh) {
+    entry.mesh = std::make_unique<SharedMesh>(mesh.mesh().name(), context_->memory);
+    entry.mesh->drawn().reference_frame = mesh.reference_frame;
+    entry.mesh->drawn().chart_west = west;
+    entry.id = entry.mesh->drawn().id();
+  }
+  entry.is_asked_for = true;
+  return entry.mesh->update(mesh, *context_, [] { return nullptr; });
+}
+
 /// Whether a mesh, or the one that it draws in other coordinates, is among these.
 bool FrameStructures::is_there(std::uint64_t id,
                                std::span<commit::CommittedMesh* const> meshes) const {
   for (const auto& [key, drawn] : geocentric_)
+    if (drawn.id == id)
+      id = key.first;
+  for (const auto& [key, drawn] : on_chart_)
     if (drawn.id == id)
       id = key.first;
   if (std::find(kept_.begin(), kept_.end(), id) != kept_.end())
@@ -48,6 +63,13 @@ bool FrameStructures::is_there(std::uint64_t id,
 }
 
 void FrameStructures::end_cycle(std::span<commit::CommittedMesh* const> meshes) {
+  const bool any =
+      std::ranges::any_of(on_chart_, [](const auto& entry) { return entry.second.is_asked_for; });
+  std::erase_if(on_chart_, [&](const auto& entry) {
+    return (any && !entry.second.is_asked_for) || !is_there(entry.first.first, meshes);
+  });
+  for (auto& [key, drawn] : on_chart_)
+    drawn.is_asked_for = false;
   for (auto it = by_mesh_.begin(); it != by_mesh_.end();) {
     Entry& entry = it->second;
     if (!is_there(it->first, meshes)) {

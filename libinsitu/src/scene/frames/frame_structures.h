@@ -22,6 +22,11 @@ public:
   /// `mesh`, or until end_cycle() finds it gone.
   commit::CommittedMesh& geocentric(const commit::CommittedMesh& mesh, double exaggeration);
 
+  /// The mesh in longitude and latitude, as it is now, on a chart that begins at `west`; made when
+  /// a frame first asks for that, and kept while the mesh is there and frames of it ask. Valid as
+  /// geocentric() is.
+  commit::CommittedMesh& on_chart(const commit::CommittedMesh& mesh, double west);
+
   /// Those of a mesh as it is now; valid until end_cycle().
   render::Structures& of(const commit::CommittedMesh& mesh);
   /// Meshes that are there though cycles may do without them, by their ids: those of steps that are
@@ -47,6 +52,11 @@ private:
     std::unique_ptr<GeocentricMesh> mesh;
     std::uint64_t id = 0; ///< of what it draws
   };
+  struct OnChart {
+    std::unique_ptr<SharedMesh> mesh;
+    std::uint64_t id = 0; ///< of what it draws
+    bool is_asked_for = false;
+  };
   bool is_there(std::uint64_t id, std::span<commit::CommittedMesh* const> meshes) const;
 
   core::Context* context_;
@@ -54,6 +64,8 @@ private:
   std::map<std::uint64_t, Entry> by_mesh_; ///< by CommittedMesh::id()
   /// By the solver's mesh and the exaggeration.
   std::map<std::pair<std::uint64_t, double>, Geocentric> geocentric_;
+  /// By the solver's mesh and where the chart begins.
+  std::map<std::pair<std::uint64_t, double>, OnChart> on_chart_;
   std::int64_t gone_conversions_ = 0;
   render::Structures::Counts gone_;          ///< of meshes that are gone
   render::Structures::Seconds gone_seconds_; ///< of these

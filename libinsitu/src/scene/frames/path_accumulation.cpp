@@ -4,7 +4,7 @@
 
 namespace insitu::scene {
 
-void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSettings& settings,
+void PathAccumulation::use(std::span<const DrawnMesh> meshes, render::FrameSettings& settings,
                            parallel::World& world) {
   if (!settings.path_tracing) {
     return;
@@ -12,9 +12,9 @@ void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSetti
   const int right = settings.width - 1, bottom = settings.height - 1;
   const render::RayGenerator rays(settings.camera, settings.width, settings.height);
   const render::Ray a = rays(0, 0), b = rays(right, 0), c = rays(0, bottom);
-  const State state{mesh.id(),
-                    mesh.own_version(),
-                    {a.origin, a.direction, b.origin, b.direction, c.origin, c.direction}};
+  State state{{}, {a.origin, a.direction, b.origin, b.direction, c.origin, c.direction}};
+  for (const DrawnMesh& drawn : meshes)
+    state.meshes.emplace_back(drawn.mesh->id(), drawn.mesh->own_version());
   std::int64_t anew = !(state == state_) || !sums_.is_whole;
   world.reduce(std::span(&anew, 1), parallel::Reduction::greatest);
   if (anew) {
@@ -22,7 +22,7 @@ void PathAccumulation::use(const commit::CommittedMesh& mesh, render::FrameSetti
     first_cycle_ = settings.path_tracing->cycle;
   }
   settings.path_tracing->cycle = first_cycle_;
-  state_ = state;
+  state_ = std::move(state);
   settings.path_tracing->sums = &sums_;
 }
 

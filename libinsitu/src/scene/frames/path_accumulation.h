@@ -2,14 +2,17 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
 
-#include "commit/committed_mesh.h"
 #include "parallel/world.h"
 #include "render/frame.h"
+#include "scene/frames/frame_drawing.h"
 
 namespace insitu::scene {
 
-/// Path tracing samples of the frames before, to go on with while mesh, fields and view stay the
+/// Path tracing samples of the frames before, to go on with while meshes, fields and view stay the
 /// same.
 class PathAccumulation {
 public:
@@ -18,12 +21,12 @@ public:
   /// Lets the settings add to the sums; they begin anew where anything has changed. Random numbers
   /// are those of the cycle in which they began: the sums are of one frame of all the samples.
   /// Collective: where anything has changed on one process, they begin anew on all.
-  void use(const commit::CommittedMesh& mesh, render::FrameSettings& settings,
+  void use(std::span<const DrawnMesh> meshes, render::FrameSettings& settings,
            parallel::World& world);
 
 private:
   struct State {
-    std::uint64_t mesh = 0, version = 0;
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> meshes; ///< which, and their versions
     std::array<math::Vec3d, 6> view; ///< the rays of three corners
     friend bool operator==(const State&, const State&) = default;
   };

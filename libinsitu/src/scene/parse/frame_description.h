@@ -183,8 +183,8 @@ struct Geocentric {
 enum class ImageKind { color, depth, cell };
 enum class ImageFormat { png, exr };
 
-/// `name`, `name_depth`, `name_cell`: what files of that image begin with.
-std::string image_stem(const std::string& name, ImageKind kind);
+/// `name`, `name_depth`, `name_cell`, `name_mesh_cell`: what files of that image begin with.
+std::string image_stem(const std::string& name, ImageKind kind, const std::string& mesh = "");
 
 /// What a frame shows of one mesh: at least one of these, unless it is the frame's only mesh.
 struct FrameLayer {
@@ -228,6 +228,10 @@ struct Frame {
   /// Whether images keep the alpha of what is drawn, because the background lets light through.
   bool keeps_alpha() const { return background_alpha < 1; }
 };
+
+/// The meshes that have an image of that kind each, by their names; "": one image is of the whole
+/// frame. Of several meshes each has one of its cells.
+std::vector<std::string> image_meshes(const Frame& frame, ImageKind kind);
 
 /// Returns the frame's `cameras`, or else its `camera`, without a name.
 std::vector<NamedCamera> cameras_of(const Frame& frame);

@@ -68,10 +68,12 @@ void claim_names(const Cursor& cursor, const Frame& frame, ParseContext& context
   }
   for (const std::string& stem : stems) {
     for (const ImageKind kind : frame.images) {
-      const std::string name = image_stem(stem, kind);
-      if (name != frame.name && !context.names.insert(name).second) {
-        cursor.fail("its images would be called " + quote(name) +
-                    ", a name that is already used in this scene");
+      for (const std::string& mesh : image_meshes(frame, kind)) {
+        const std::string name = image_stem(stem, kind, mesh);
+        if (name != frame.name && !context.names.insert(name).second) {
+          cursor.fail("its images would be called " + quote(name) +
+                      ", a name that is already used in this scene");
+        }
       }
     }
   }
@@ -166,13 +168,16 @@ void parse_meshes(const MapReader& map, const ParseContext& context, Frame& fram
   if (frame.geocentric && (frame.geocentric->globe || frame.geocentric->graticule)) {
     meshes->fail("a frame with 'meshes' has neither 'globe' nor 'graticule'");
   }
-  if (std::count(frame.images.begin(), frame.images.end(), ImageKind::cell) > 0) {
-    meshes->fail("a frame with 'meshes' has no image of cells, which would not tell whose they "
-                 "are");
-  }
   std::vector<FrameLayer> layers = parse_layers(*meshes, context);
-  if (!layers.empty()) {
-    frame.layers = std::move(layers);
+  if (layers.empty()) {
+    return;
+  }
+  frame.layers = std::move(layers);
+  for (const std::string& mesh : image_meshes(frame, ImageKind::cell)) {
+    if (std::count(frame.images.begin(), frame.images.end(), ImageKind::cell) > 0 &&
+        !mesh.empty() && !fits_file_name(mesh)) {
+      meshes->fail(quote(mesh) + " cannot name a file, as the image of its cells would be");
+    }
   }
 }
 
@@ -216,7 +221,23 @@ void check_draws_something(const MapReader& map, const Frame& frame) {
 
 } // namespace
 
-std::string image_stem(const std::string& name, ImageKind kind) {
+std::vector<std::string> image_meshes(const Frame& frame, ImageKind kind) {
+  std::vector<std::string> meshes;
+  if (kind != ImageKind::cell || frame.layers.size() < 2) {
+    return {""};
+  }
+  for (const FrameLayer& layer : frame.layers) {
+    if (std::find(meshes.begin(), meshes.end(), layer.mesh.text) == meshes.end()) {
+      meshes.push_back(layer.mesh.text);
+    }
+  }
+  return meshes;
+}
+
+std::string image_stem(const std::string& name, ImageKind kind, const std::string& mesh) {
+  if (!mesh.empty()) {
+    return image_stem(name + "_" + mesh, kind);
+  }
   switch (kind) {
   case ImageKind::color:
     break;
@@ -298,7 +319,7 @@ Frame parse_frame(const Cursor& cursor, ParseContext& context) {
   parse_drawn(map, context, frame);
   parse_labels(map, frame);
   parse_frame_effects(map, frame);
-  frame.path_tracing = parse_path_tracing(map, frame.effects);
+  frame.path_tracing = parse_path_tracing(map, frame);
   parse_samples(map, frame);
   if (const auto accuracy = map.find("accuracy")) {
     assign(frame.accuracy, parse_accuracy(*accuracy));

@@ -81,10 +81,9 @@ ColorMapChoice parse_color_map(const MapReader& map, const ParseContext& context
 /// Reads a camera; on_earth: whether it belongs to a geocentric frame.
 Camera parse_camera(const Cursor& cursor, bool on_earth);
 Camera default_camera(bool on_earth);
-/// Reads the path tracing of the map of a frame. The result is also there where an effect asks for
-/// path tracing.
-std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
-                                              const std::vector<FrameEffect>& effects);
+/// Reads the path tracing of the map of a frame whose layers and effects are read. The result is
+/// also there where an effect asks for path tracing.
+std::optional<PathTracing> parse_path_tracing(const MapReader& map, const Frame& frame);
 /// Reads a map of names and cameras.
 std::vector<NamedCamera> parse_cameras(const Cursor& cursor, bool on_earth);
 Volume parse_volume(const Cursor& cursor, const ParseContext& context);

@@ -52,23 +52,22 @@ PathTracing parse_map(const Cursor& cursor) {
 
 } // namespace
 
-std::optional<PathTracing> parse_path_tracing(const MapReader& frame,
-                                              const std::vector<FrameEffect>& effects) {
-  const bool single = has(effects, FrameEffect::single_scattering);
-  const bool multiple = has(effects, FrameEffect::multiple_scattering);
-  const auto map = frame.find("path_tracing");
-  if (frame && (single || multiple || map) && !frame.has("volume")) {
-    const Cursor& at = map ? *map : frame.cursor();
-    at.fail(frame.has("meshes") ? "a frame with 'meshes' is not path traced"
-                                : "path tracing needs a 'volume'");
+std::optional<PathTracing> parse_path_tracing(const MapReader& map, const Frame& frame) {
+  const bool single = has(frame.effects, FrameEffect::single_scattering);
+  const bool multiple = has(frame.effects, FrameEffect::multiple_scattering);
+  const auto own = map.find("path_tracing");
+  if (map && (single || multiple || own) &&
+      std::none_of(frame.layers.begin(), frame.layers.end(),
+                   [](const FrameLayer& layer) { return layer.volume.has_value(); })) {
+    (own ? *own : map.cursor()).fail("path tracing needs a 'volume'");
   }
   if (single && multiple) {
-    frame.cursor().fail("'single_scattering' is part of 'multiple_scattering'; give one of them");
+    map.cursor().fail("'single_scattering' is part of 'multiple_scattering'; give one of them");
   }
-  if (!map && !single && !multiple) {
+  if (!own && !single && !multiple) {
     return std::nullopt;
   }
-  PathTracing paths = map ? parse_map(*map) : PathTracing{};
+  PathTracing paths = own ? parse_map(*own) : PathTracing{};
   paths.scattering = multiple ? render::Scattering::multiple
                      : single ? render::Scattering::single
                               : render::Scattering::none;
