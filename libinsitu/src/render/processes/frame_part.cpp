@@ -52,7 +52,9 @@ FrameImages render_shared_frame(std::span<const FramePart> parts, std::span<cons
   part.world.agree_after([&] {
     for (std::size_t l = 0; l < asked.size() && asked.size() > 1; ++l)
       if (asked[l].settings.cell && parts[l].solvers_cell)
-        refuse("images of cells of several meshes, adaptive ones among them,");
+        throw core::Error(INSITU_ERROR_UNSUPPORTED,
+                          "images of cells of several meshes, adaptive ones among them, over "
+                          "several processes are not there yet");
     all.reserve(asked.size());
     for (std::size_t l = 0; l < asked.size(); ++l) {
       layers.push_back(
