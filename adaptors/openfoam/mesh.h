@@ -19,6 +19,8 @@ class BorrowedMesh {
 public:
   BorrowedMesh(const Foam::fvMesh& from, insitu_mesh to) : from_(from), to_(to) {}
 
+  bool is_of(const Foam::polyMesh& mesh) const { return &mesh == &from_; }
+
   /// What OpenFOAM says of the mesh since the last give().
   void points_moved() { points_moved_ = true; }
   void cells_changed() { cells_changed_ = true; }
