@@ -140,9 +140,9 @@ void BorrowedMesh::read_global_ids() {
   global_cells_.reset();
   global_points_.reset();
   if (!lacks_global_ids_said_)
-    Foam::Info << "insitu: there are no cellProcAddressing and pointProcAddressing of the mesh of "
-               << "time " << from_.facesInstance() << ": cells are named by process and number"
-               << Foam::nl;
+    Foam::Info << "insitu: there are no cellProcAddressing and pointProcAddressing of the mesh "
+               << from_.name() << " of time " << from_.facesInstance()
+               << ": cells are named by process and number" << Foam::nl;
   lacks_global_ids_said_ = true;
 }
 
