@@ -81,6 +81,8 @@ void InsituFunction::lend(const Foam::dictionary& entries) {
       throw Error(INSITU_ERROR_ARGUMENT,
                   std::string("the entries 'regions' and '") + other +
                       "' exclude each other: meshes of regions are named as these");
+  if (regions.empty())
+    throw Error(INSITU_ERROR_ARGUMENT, "the entry 'regions' names no region");
   for (const Foam::word& region : regions) {
     const Foam::fvMesh& mesh = mesh_of_region(time_, region);
     if (lent_of(mesh))

@@ -111,4 +111,5 @@ done
 
 expect regions "(air plat)" "there is no region 'plat'; regions are: air plate"
 expect regions "(air air)" "the region 'air' stands twice in 'regions'"
+expect regions "()" "the entry 'regions' names no region"
 expect mesh air "the entries 'regions' and 'mesh' exclude each other"
