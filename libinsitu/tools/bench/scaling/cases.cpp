@@ -263,8 +263,7 @@ private:
       model = {model.items, 0, 0, 0};
     const std::int64_t own = mesh_->mesh().view().own_cell_count();
     render::FramePart part{
-        world_, own, [&](std::int64_t flat) { return mesh_->mesh().global_id(INSITU_CELL, flat); },
-        mesh_->halo() != nullptr};
+        world_, own, [&](std::int64_t flat) { return mesh_->mesh().global_id(INSITU_CELL, flat); }};
     part.compositing = compositing;
     std::unique_ptr<render::Structures> structures;
     measure(
