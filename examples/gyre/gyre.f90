@@ -7,7 +7,7 @@ program gyre
   use gyre_basin, only: atlantic
   use gyre_coupling, only: coupling_type
   use gyre_model, only: model_type
-  use gyre_processes, only: processes_type
+  use solver_processes, only: processes_type
   implicit none
 
   integer, parameter :: text_length = 1024, report_every = 10

@@ -14,7 +14,7 @@
 module gyre_mesh
   use, intrinsic :: iso_fortran_env, only: int32, int64, real64
   use gyre_basin, only: basin_type, earth_radius, radians
-  use gyre_processes, only: processes_type
+  use solver_processes, only: processes_type
   implicit none
   private
 

@@ -5,7 +5,7 @@ module gyre_model
   use gyre_flow, only: flow_type
   use gyre_heat, only: heat_type
   use gyre_mesh, only: basin_mesh, mesh_type
-  use gyre_processes, only: processes_type
+  use solver_processes, only: processes_type
   use gyre_transport, only: transport_type
   use gyre_wind, only: wind_type
   implicit none

@@ -6,7 +6,7 @@ program heat
   use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit, real64
   use heat_case, only: initial_heat, largest_error
   use heat_coupling, only: couple
-  use heat_processes, only: processes_type
+  use solver_processes, only: processes_type
   use heat_solver, only: heat_type, nhalo
   use insitu
   implicit none

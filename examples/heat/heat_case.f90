@@ -3,7 +3,7 @@ module heat_case
   use, intrinsic :: iso_fortran_env, only: real64
   use heat_mesh, only: mesh_type, ring_mesh
   use heat_mode, only: mode_type
-  use heat_processes, only: processes_type
+  use solver_processes, only: processes_type
   use heat_solver, only: heat_type, nhalo
   implicit none
   private

@@ -6,7 +6,7 @@
 !! interface's vertices.
 module heat_mesh
   use, intrinsic :: iso_fortran_env, only: int32, int64, real64
-  use heat_processes, only: processes_type
+  use solver_processes, only: processes_type
   implicit none
   private
 
@@ -39,6 +39,8 @@ module heat_mesh
     real(real64), allocatable :: wall_normal(:,:)        !< (2, nv), unit and outwards; 0 inside
   contains
     procedure :: ncells
+    procedure :: levels_below
+    procedure :: holder
   end type mesh_type
 
 contains
@@ -47,6 +49,24 @@ contains
     class(mesh_type), intent(in) :: self
     ncells = self%ncolumns * self%nlevels
   end function ncells
+
+  !> How many levels lie below those of a process: equal shares, of which some may be empty.
+  pure integer function levels_below(self, rank)
+    class(mesh_type), intent(in) :: self
+    integer, intent(in) :: rank
+    levels_below = int(int(self%all_levels, int64) * rank / self%processes%number)
+  end function levels_below
+
+  !> The process that has a level; -1: there is no such level.
+  pure integer function holder(self, level)
+    class(mesh_type), intent(in) :: self
+    integer, intent(in) :: level
+    holder = -1
+    if (level < 1 .or. level > self%all_levels) return
+    do while (self%levels_below(holder + 1) < level)
+      holder = holder + 1
+    end do
+  end function holder
 
   !> The ring inner <= r <= outer, 0 <= z <= height, of nradial x nangular quads, each cut in two.
   !! Radial mesh lines are spirals that turn by `twist` radians from the inner to the outer wall.
@@ -60,8 +80,8 @@ contains
     mesh%ncolumns = 2 * nradial * nangular
     mesh%processes = processes
     mesh%all_levels = nlevels
-    mesh%below = processes%levels_below(nlevels, processes%rank)
-    mesh%nlevels = processes%levels_below(nlevels, processes%rank + 1) - mesh%below
+    mesh%below = mesh%levels_below(processes%rank)
+    mesh%nlevels = mesh%levels_below(processes%rank + 1) - mesh%below
     call place_vertices(mesh, inner, outer, height, nradial, nangular, twist)
     call cut_triangles(mesh, nradial, nangular)
     call extrude(mesh)

@@ -124,22 +124,18 @@ contains
     call refresh(self)
   end subroutine step
 
-  !> The temperature's integral, summed from level to level.
+  !> The temperature's integral.
   real(real64) function energy(self)
     class(heat_type), intent(in) :: self
-    real(real64) :: of_level(self%mesh%all_levels)
-    integer :: k
+    real(real64) :: of_level(self%mesh%nlevels)
+    integer :: k, level
 
-    of_level = 0.0_real64
-    do k = self%mesh%below + 1, self%mesh%below + self%mesh%nlevels
-      of_level(k) = dot_product(self%mesh%area, self%t(:, k - self%mesh%below + nhalo)) &
-                  * (self%mesh%interface_z(k + 1) - self%mesh%interface_z(k))
+    do k = 1, self%mesh%nlevels
+      level = k + self%mesh%below
+      of_level(k) = dot_product(self%mesh%area, self%t(:, k + nhalo)) &
+                  * (self%mesh%interface_z(level + 1) - self%mesh%interface_z(level))
     end do
-    call self%mesh%processes%join(of_level)
-    energy = 0.0_real64
-    do k = 1, self%mesh%all_levels
-      energy = energy + of_level(k)
-    end do
+    energy = self%mesh%processes%total(of_level)
   end function energy
 
   !> The flux at the vertices: the planes' slopes, and differences between levels.
@@ -190,9 +186,9 @@ contains
     top = self%mesh%nlevels + nhalo
     self%t(:, nhalo) = self%t(:, nhalo + 1)
     self%t(:, top + nhalo) = self%t(:, top)
-    associate (all => self%mesh%processes, levels => self%mesh%all_levels, below => self%mesh%below)
-      down = all%holder(levels, below)
-      up = all%holder(levels, below + self%mesh%nlevels + 1)
+    associate (all => self%mesh%processes)
+      down = self%mesh%holder(self%mesh%below)
+      up = self%mesh%holder(self%mesh%below + self%mesh%nlevels + 1)
       call all%swap(self%t(:, top:top), up, self%t(:, nhalo:nhalo), down)
       call all%swap(self%t(:, nhalo + 1:nhalo + 1), down, self%t(:, top + nhalo:top + nhalo), up)
     end associate

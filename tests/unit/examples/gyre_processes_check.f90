@@ -1,23 +1,18 @@
 !> The gyre on several processes (mpirun -n 3 gyre_processes_check): every number that a process has is
 !! the one of a run on one process, to the bit. Each process makes that run too, and compares.
 program gyre_processes_check
-  use, intrinsic :: iso_fortran_env, only: error_unit, int64, real64
+  use, intrinsic :: iso_fortran_env, only: real64
   use gyre_basin, only: atlantic
   use gyre_model, only: model_type
-  use gyre_processes, only: processes_type
+  use processes_checks, only: end_checks, expect, expect_same, processes
+  use solver_processes, only: processes_type
   implicit none
-
-  type(processes_type) :: processes
-  integer :: failures = 0
-  logical :: all_well
 
   call processes%launch()
   call check_sums()
   call check_run(4, 12)
   call check_run(1, 30)                                  ! 4 strips: with more processes, some have none
-  all_well = processes%largest(real(failures, real64)) <= 0.0_real64
-  call processes%finish()
-  if (.not. all_well) error stop 1
+  call end_checks()
 
 contains
 
@@ -79,22 +74,5 @@ contains
     call expect_same('a sum', [processes%total(terms(processes%rank + 1::processes%number))], [one%total(terms)])
     call expect('a sum is right', abs(one%total(terms) - sum(terms)) <= 1.0e-12_real64 * abs(sum(terms)))
   end subroutine check_sums
-
-  subroutine expect_same(what, found, expected)
-    character(len=*), intent(in) :: what
-    real(real64), intent(in) :: found(:), expected(:)
-    integer(int64) :: bits(0)
-    call expect(what // ' are as many', size(found) == size(expected))
-    call expect(what, all(transfer(found, bits) == transfer(expected, bits)))
-  end subroutine expect_same
-
-  subroutine expect(what, holds)
-    character(len=*), intent(in) :: what
-    logical, intent(in) :: holds
-    if (holds) return
-    failures = failures + 1
-    if (failures <= 5) write (error_unit, '(a, i0, a, i0, 2a)') 'process ', processes%rank, ' of ', processes%number, &
-        ': ', what
-  end subroutine expect
 
 end program gyre_processes_check

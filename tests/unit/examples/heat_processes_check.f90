@@ -1,29 +1,23 @@
 !> The heat on several processes (mpirun -n 3 heat_processes_check): every number that a process has is
 !! the one of a run on one process, to the bit. Each process makes that run too, and compares.
 program heat_processes_check
-  use, intrinsic :: iso_fortran_env, only: error_unit, int64, real64
+  use, intrinsic :: iso_fortran_env, only: real64
   use heat_case, only: initial_heat, largest_error
-  use heat_processes, only: processes_type
   use heat_solver, only: heat_type, nhalo
+  use processes_checks, only: end_checks, expect, expect_same, processes
   implicit none
-
-  type(processes_type) :: processes
-  integer :: failures = 0
-  logical :: all_well
 
   call processes%launch()
   call check_run(9, 40)                                  ! 5 levels
   call check_run(3, 20)                                  ! 2 levels: with more processes, some have none
-  all_well = processes%largest(real(failures, real64)) <= 0.0_real64
-  call processes%finish()
-  if (.not. all_well) error stop 1
+  call end_checks()
 
 contains
 
   subroutine check_run(resolution, cycles)
     integer, intent(in) :: resolution, cycles
     type(heat_type) :: part, whole
-    real(real64) :: levels(1000)
+    real(real64) :: levels
     integer :: cycle
 
     call initial_heat(resolution, part, processes)
@@ -37,10 +31,8 @@ contains
       call whole%update_flux()
     end do
     call compare(part, whole)
-    levels = 0.0_real64
-    levels(processes%rank + 1) = real(part%mesh%nlevels, real64)
-    call processes%join(levels)
-    call expect('every level is on one process', nint(sum(levels)) == whole%mesh%nlevels)
+    levels = processes%total([real(part%mesh%nlevels, real64)])
+    call expect('every level is on one process', nint(levels) == whole%mesh%nlevels)
   end subroutine check_run
 
   subroutine compare(part, whole)
@@ -64,20 +56,5 @@ contains
     call expect_same('the energy', [part%energy()], [whole%energy()])
     call expect_same('the error', [largest_error(part)], [largest_error(whole)])
   end subroutine compare
-
-  subroutine expect_same(what, found, expected)
-    character(len=*), intent(in) :: what
-    real(real64), intent(in) :: found(:), expected(:)
-    call expect(what, size(found) == size(expected))
-    if (size(found) == size(expected)) call expect(what, all(transfer(found, [0_int64]) == transfer(expected, [0_int64])))
-  end subroutine expect_same
-
-  subroutine expect(what, holds)
-    character(len=*), intent(in) :: what
-    logical, intent(in) :: holds
-    if (holds) return
-    failures = failures + 1
-    write (error_unit, '(a, i0, 2a)') 'failed on process ', processes%rank, ': ', what
-  end subroutine expect
 
 end program heat_processes_check

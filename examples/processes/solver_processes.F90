@@ -1,8 +1,8 @@
-!> The processes among which the basin is dealt out, and all that the ocean asks of MPI: the largest of
-!! numbers, exact sums, and what neighbours have. One process does without.
-module gyre_processes
+!> The processes among which the Fortran miniapps deal out their meshes, and all that these ask of MPI: the
+!! largest of numbers, exact sums, and what neighbours have. One process does without.
+module solver_processes
   use, intrinsic :: iso_fortran_env, only: int64, real64
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
   use mpi_f08
 #endif
   implicit none
@@ -27,7 +27,7 @@ contains
   !! PMI (MPICH, Slurm).
   subroutine launch(self)
     class(processes_type), intent(inout) :: self
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     character(len=20), parameter :: names(3) = [character(len=20) :: 'PMIX_RANK', 'OMPI_COMM_WORLD_RANK', 'PMI_RANK']
     integer :: i, status, level
     logical :: is_launched
@@ -50,7 +50,7 @@ contains
   !> After the last call of the library and of this module.
   subroutine finish(self)
     class(processes_type), intent(inout) :: self
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     if (self%communicator /= -1) call MPI_Finalize()
 #endif
     self%communicator = -1
@@ -67,7 +67,7 @@ contains
     real(real64), intent(in) :: mine
     largest = mine
     if (self%number == 1) return
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     call MPI_Allreduce(mine, largest, 1, MPI_DOUBLE_PRECISION, MPI_MAX, world(self))
 #endif
   end function largest
@@ -88,7 +88,7 @@ contains
     mine(1) = sum(nint(terms / coarse, int64))
     mine(2) = sum(nint((terms - anint(terms / coarse) * coarse) / fine, int64))
     sums = mine
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     if (self%number > 1) call MPI_Allreduce(mine, sums, 2, MPI_INTEGER8, MPI_SUM, world(self))
 #endif
     total = real(sums(1), real64) * coarse + real(sums(2), real64) * fine
@@ -101,7 +101,7 @@ contains
     real(real64), intent(in) :: sent(:,:)
     integer, intent(in) :: receiver, sender
     real(real64), intent(inout) :: received(:,:)
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     integer :: to, from
 #endif
 
@@ -109,7 +109,7 @@ contains
       if (receiver == 0 .and. sender == 0) received = sent
       return
     end if
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
     to = merge(receiver, MPI_PROC_NULL, receiver >= 0)
     from = merge(sender, MPI_PROC_NULL, sender >= 0)
     call MPI_Sendrecv(sent, size(sent), MPI_DOUBLE_PRECISION, to, 0, received, size(received), &
@@ -117,11 +117,11 @@ contains
 #endif
   end subroutine swap
 
-#ifdef GYRE_HAVE_MPI
+#ifdef SOLVER_HAVE_MPI
   pure type(MPI_Comm) function world(self)
     class(processes_type), intent(in) :: self
     world%mpi_val = self%communicator
   end function world
 #endif
 
-end module gyre_processes
+end module solver_processes
