@@ -142,7 +142,7 @@ insitu_commit_report Session::commit(SessionMesh& to) {
   if (runner_) {
     mesh.set_builder(runner_->locator().builder);
     mesh.seam_tolerance = runner_->seam_tolerance();
-    mesh.names_of_lent_fields = runner_->words();
+    mesh.lent_fields_named_in = runner_->words();
     if (!to.locator_chosen)
       mesh.set_locator(runner_->locator().choice);
   }

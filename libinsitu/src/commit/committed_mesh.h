@@ -57,15 +57,16 @@ public:
   /// The frame of the mesh's coordinates. Conversions are geo's; a geodetic mesh is located in its
   /// own chart (StandIn), so a change to, from or of that is a change of topology.
   insitu_frame reference_frame = insitu_frame_default();
-  /// In longitude and latitude the chart begins here at the latest, from the next commit on.
+  /// In longitude and latitude the chart begins at this longitude from the next commit on, unless
+  /// cells begin further west.
   double chart_west = ChartFacts::none;
   /// Faces of two processes that do not match to the bit are told if they lie within this of each
   /// other, in the diameter of a face: 0 to SeamMismatches::most_tolerance, of which 0 tells none.
   /// The same on all processes; counts from the next halo on that other cells ask for.
   double seam_tolerance = 1e-6;
-  /// A text in which all fields are named whose values cells of the halo have, of meshes that are
-  /// not adaptive; null: all fields. Of others they have NaN.
-  std::shared_ptr<const std::string> names_of_lent_fields;
+  /// Cells of the halo have the values of the fields that this text names, and NaN for others;
+  /// null, and on adaptive meshes: of all fields. The same on all processes.
+  std::shared_ptr<const std::string> lent_fields_named_in;
   bool lends_field(const std::string& name) const;
 
   /// Brings the tree up to date with what changed: topology -> validate, rebuild (of a mesh that is

@@ -9,7 +9,7 @@ void CommittedMesh::begin_copy(const CommittedMesh& of) {
   copied_ = &of;
   reference_frame = of.reference_frame;
   seam_tolerance = of.seam_tolerance;
-  names_of_lent_fields = of.names_of_lent_fields;
+  lent_fields_named_in = of.lent_fields_named_in;
   mesh_.set_is_part(of.mesh_.adaptive().is_part);
   locators_.choose(of.locators_.choice());
   policy_ = of.policy_;

@@ -71,8 +71,8 @@ bool CommittedMesh::NamesAtSeams::is_before(std::int64_t flat, std::int64_t othe
 }
 
 bool CommittedMesh::lends_field(const std::string& name) const {
-  return !names_of_lent_fields || mesh_.is_adaptive() ||
-         names_of_lent_fields->find(name) != std::string::npos;
+  return !lent_fields_named_in || mesh_.is_adaptive() ||
+         lent_fields_named_in->find(name) != std::string::npos;
 }
 
 void CommittedMesh::join_sides(const PeriodicAxes& sides) {

@@ -10,18 +10,10 @@ using namespace insitu::test;
 TEST(ProcessEarth, RestartsAreThoseOfOneProcessWithoutAStop) {
   const std::vector<Earth> all = earths();
   const std::string scene =
-      std::string("insitu: 1\npage: false\nprobes:\n"
-                  "  - {name: marks, attached: body, points: [[180, 10, -0.05], [-40, 85, -0.07], "
-                  "[10, -89.9, -1], [150, 20, -1]], fields: [p], output: [csv]}\n"
-                  "tracers:\n"
-                  "  - {name: paths, velocity: w, kind: pathline, fields: [p, w, c], geodesics: "
-                  "[path_length], output: [csv], seeds: ") +
-      seeds +
-      "}\n"
-      "  - {name: walls, velocity: w, kind: pathline, seeds: " +
-      seeds +
-      ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}], fields: [p], output: "
-      "[csv]}\n";
+      "insitu: 1\npage: false\nprobes:\n"
+      "  - {name: marks, attached: body, points: [[180, 10, -0.05], [-40, 85, -0.07], [10, -89.9, "
+      "-1], [150, 20, -1]], fields: [p], output: [csv]}\n" +
+      tracers_and_walls;
   constexpr int stop = 2, end = 4;
   struct Run {
     const Earth *before, *after; ///< the stop

@@ -95,8 +95,6 @@ TEST(ProcessEarth, StreamlinesAreThoseOfOneProcess) {
                       {2, 3, 4, 8}, 1, "walls");
 }
 
-/// The solver moves cells from process to process, then takes another mesh, whose chart has its
-/// seam elsewhere, and in the end the first one again.
 /// Steps over the cells of several processes, over the seam and the poles.
 TEST(ProcessEarth, FarStepsAreThoseOfOneProcess) {
   const std::string far = std::string(", velocity: w, fields: [p, w, c], seeds: ") + seeds +
@@ -115,6 +113,8 @@ TEST(ProcessEarth, FarStepsAreThoseOfOneProcess) {
       {2, 3, 4, 8}, 3, "killed");
 }
 
+/// The solver moves cells from process to process, then takes another mesh, whose chart has its
+/// seam elsewhere, and in the end the first one again.
 TEST(ProcessEarth, OtherCellsAreThoseOfOneProcess) {
   const std::vector<Earth> all = earths();
   const auto by = [&](const TestMesh& from, const TestMesh& to) {
@@ -136,16 +136,7 @@ TEST(ProcessEarth, OtherCellsAreThoseOfOneProcess) {
   };
   PartSession::Options options;
   options.frame = fixtures::frame_of(units);
-  options.scene =
-      std::string("insitu: 1\npage: false\ntracers:\n"
-                  "  - {name: paths, velocity: w, kind: pathline, fields: [p, w, c], geodesics: "
-                  "[path_length], output: [csv], seeds: ") +
-      seeds +
-      "}\n"
-      "  - {name: walls, velocity: w, kind: pathline, seeds: " +
-      seeds +
-      ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}, {diffusion: "
-      "{horizontal: 1e9, vertical: 1000}}], fields: [p], output: [csv]}\n";
+  options.scene = "insitu: 1\npage: false\n" + tracers_and_walls;
   for (const auto& [from, to] : {std::pair(0, 1), std::pair(3, 2), std::pair(1, 3)}) {
     const TestMesh& whole = all[std::size_t(from)].mesh;
     const Act act = by(whole, all[std::size_t(to)].mesh);

@@ -56,4 +56,16 @@ inline std::vector<double> flow(const TestMesh& whole, int cycle) {
 inline const char* const seeds =
     "{box: {min: [-180, -90, -3.9], max: [180, 90, 0], counts: [9, 7, 1]}}";
 
+/// Tracers that go on from cells to other cells, through the water and along its walls.
+inline const std::string tracers_and_walls =
+    std::string("tracers:\n"
+                "  - {name: paths, velocity: w, kind: pathline, fields: [p, w, c], geodesics: "
+                "[path_length], output: [csv], seeds: ") +
+    seeds +
+    "}\n"
+    "  - {name: walls, velocity: w, kind: pathline, seeds: " +
+    seeds +
+    ", effects: [{boundary: {other: slide}}, {settling: {speed: 2000}}, {diffusion: {horizontal: "
+    "1e9, vertical: 1000}}], fields: [p], output: [csv]}\n";
+
 } // namespace insitu::test

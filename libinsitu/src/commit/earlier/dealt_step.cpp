@@ -6,6 +6,7 @@
 
 #include "commit/earlier/cells_by_ids.h"
 #include "core/random.h"
+#include "core/status.h"
 #include "mesh/registered/earlier_parts.h"
 #include "parallel/parcels.h"
 
@@ -319,7 +320,8 @@ void fill_halo(const CommittedMesh& mesh, parallel::World& world, mesh::EarlierS
     for (const Parcel& parcel : answered) {
       ByteReader from(parcel.bytes);
       for (const std::int64_t flat : wanted[std::size_t(parcel.rank)])
-        filled.read_cell(flat, from);
+        if (!filled.read_cell(flat, from))
+          throw core::Error(INSITU_ERROR_INTERNAL, "a cell of a halo is another at its owner");
     }
   });
 }

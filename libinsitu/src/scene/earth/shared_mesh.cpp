@@ -11,7 +11,7 @@ commit::CommittedMesh& SharedMesh::update(const commit::CommittedMesh& own, core
   topology_ = geometry_ = fields_ = 0; // until it is done
   if (geometry)
     points_ = points();
-  drawn_.names_of_lent_fields = own.names_of_lent_fields;
+  drawn_.lent_fields_named_in = own.lent_fields_named_in;
   drawn_.mesh().share(own.mesh(), points_);
   drawn_.mesh().clear_pending();
   drawn_.mesh().set_changed(topology   ? INSITU_CHANGED_ALL
